@@ -1,9 +1,12 @@
 """A wrong key of a table that names its kind is answered with what that kind allows."""
 
 import pytest
+from pydantic import BaseModel, Field
 
 from sojourn_config.errors import ConfigError
+from sojourn_config.load import validate
 from sojourn_config.scenario import load_scenario
+from sojourn_config.yaml_file import parse_yaml
 
 
 def told(*overrides: str) -> str:
@@ -42,3 +45,31 @@ def test_the_kind_that_is_told_counts_before_that_of_the_name() -> None:
 
 def test_a_kind_that_is_not_there_is_told_with_those_that_are() -> None:
     assert "did you mean lidar?" in told("sensors.eye.kind=lidr", "sensors.eye.range=-1")
+
+
+class _Step(BaseModel):
+    at: float = Field(description="time [s]")
+
+
+class _Steps(BaseModel):
+    steps: tuple[_Step, ...] = Field(min_length=1, max_length=2, description="in order")
+    name: str | None = Field(default=None, min_length=1, description="of them")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("steps: [{at: soon}]", ["steps[0].at = 'soon': is text: allowed is a number (time [s]), with no quotes"]),
+        ("steps: [{at: a}, {at: b}]", ["steps[0].at = 'a': is text", "steps[1].at = 'b': is text"]),
+        ("steps: []", ["steps = []: allowed is a list of at least 1 values, of at most 2 values (in order)"]),
+        ("steps: [{at: 1}, {at: 2}, {at: 3}]", ["allowed is a list of at least 1 values, of at most 2 values (in"]),
+        ("{steps: [{at: 1}], name: ''}", ["name = '': allowed is text of at least 1 characters (of them)"]),
+    ],
+)
+def test_a_list_is_told_once_what_is_wrong_with_it(text: str, said: list[str]) -> None:
+    """Each mistake by itself, in our own words: a list whose values are refused is not told to be empty as well."""
+    with pytest.raises(ConfigError) as raised:
+        validate(parse_yaml(text, "steps.yaml"), _Steps)
+    told = [str(problem) for problem in raised.value.problems]
+    assert len(told) == len(said) and all(words in line for words, line in zip(said, told, strict=True))
+    assert not any("should" in line for line in told)

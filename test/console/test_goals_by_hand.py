@@ -19,8 +19,10 @@ from sojourn_console.panels.head import HeadPanel, head_html
 from sojourn_console.panels.panel import table_html
 from sojourn_console.world import World
 from sojourn_contract.codecs import encode
+from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topics import topic
 from sojourn_machine.params import FloatArray
+from sojourn_operator.goal_messages import QUESTION
 
 MOVING = RunScene(statuses={"/drive/status": {"state": "moving"}, "/arm/status": {"state": "moving"}})
 
@@ -156,6 +158,21 @@ def test_one_page_commands_at_a_time() -> None:
         control.claimed_by(2)
     assert control.taken_by(2).holder == 2
     assert control.without(2) == control and control.without(1).holder is None
+
+
+def test_a_goal_that_is_refused_whatever_it_is_is_told_in_the_drives_own_words() -> None:
+    """What the contract says before them is of the message that asked."""
+    refusal = RefusedMessageError(QUESTION, "header", "a goal now", "none while the arm is out: stow it first")
+    rows = foresight_rows({"asked_state": "refused", "asked_reason": str(refusal)})
+    assert rows == [("rehearsal", "refused: the arm is out: stow it first")]
+
+
+def test_a_goal_whose_charge_nobody_has_judged_says_so() -> None:
+    """Asked before the battery was heard it was allowed without a word on it."""
+    answer = {"asked_state": "allowed", "asked_length_m": "3.0", "asked_time_s": "60", "asked_energy_wh": "1.5"}
+    unknown = [value for name, value in foresight_rows(answer) if name == "charge at the end"]
+    assert len(unknown) == 1 and unknown[0].startswith("not known: the drive has not heard of a battery")
+    assert ("charge at the end", "81.2%") in foresight_rows({**answer, "asked_charge_at_end": "0.812"})
 
 
 def test_words_of_the_page_escape_what_others_say() -> None:

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup.alarms import main
 from sojourn_bringup.alarms_bag import watched_bag
+from sojourn_config.command_errors import UsageError
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.errors import UnknownFieldNameError
@@ -204,6 +205,30 @@ def test_limits_of_a_file_go_over_those_of_the_machine(bag: Bag, tmp_path: Path)
     file.write_text("alarms: {fast: {field: /odom.twist.twist.linear.x, critical: {abov: 0.01}}}\n")
     with pytest.raises(ConfigError, match="above"):
         watched_bag(bag, file)
+
+
+@pytest.mark.parametrize(
+    ("field", "said"),
+    [
+        ("/odom.nonsense", "Odometry has no such field; the nearest: /odom.pose"),
+        ("/nonsens.x", "/nonsens is no topic of the contract"),
+        ("/battery_state.percentag", "the nearest: /battery_state.percentage"),
+    ],
+)
+def test_limits_of_a_field_that_there_is_not_are_not_shown(field: str, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "limits.yaml"
+    file.write_text(f"alarms: {{a: {{field: {field}, watch: {{above: 1.0}}}}}}\n")
+    with pytest.raises(UsageError, match=said):
+        main(["--show-limits", "--scenario", "flat_drive", "--limits", str(file)])
+
+
+def test_limits_of_a_key_that_comes_only_when_needed_are_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "limits.yaml"
+    file.write_text("alarms: {a: {field: /drive/status.asked_tilt_margin_deg, watch: {below: 1.0}}}\n")
+    assert main(["--show-limits", "--scenario", "flat_drive", "--limits", str(file)]) == 0
+    assert "asked_tilt_margin_deg" in capsys.readouterr().out
 
 
 def test_a_machine_brings_alarms_of_its_own(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """scripts/goal where nothing runs: one sentence, within five seconds."""
 
+import re
 import subprocess
 import sys
 import time
@@ -7,7 +8,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from sojourn_config.command_errors import CommandError
+from sojourn_config.command_line import run_script
 from sojourn_contract.codecs import encode
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.topics import topic
@@ -36,9 +37,25 @@ def test_one_sentence(arguments: list[str], who: str) -> None:
     assert f"no running stack for {who} on domain 229, namespace /none" in line and "scripts/start.py" in line
 
 
-def test_a_route_needs_pairs() -> None:
-    with pytest.raises(CommandError, match="points: 3 numbers, allowed is an even count"):
-        main(["route", "1", "2", "-3"])
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("route 1 2 -3", "points: 3 numbers, allowed is an even count"),
+        ("task dig depth", "'depth': allowed is KEY=VALUE"),
+        ("drive 1 2 --over lunar_sample --frame odom", "--over: a route over the map ends in map"),
+        ("fault nonsense joint=x", "kind = nonsense: allowed is one of"),
+        ("fault motor_dead", r"joint: the key is missing: allowed is text .* \(joint with a motor\)"),
+        ("fault motor_dead kind=nope joint=x", "kind = nope: allowed is one of"),
+        ("fault motor_dead joint=x part=3", "part = 3: unknown key: allowed is one of"),
+        ("fault motor_weak joint=x part=most", "part = 'most': is text: allowed is a number at least 0, below 1"),
+        ("fault message_lost topic=/odom probability=0.5", "allowed in a scenario alone"),
+    ],
+)
+def test_words_that_mean_nothing_end_with_status_2(command: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        run_script(main, command.split())
+    assert ended.value.code == 2
+    assert re.search(said, told := capsys.readouterr().err) and "required" not in told.lower()
 
 
 @pytest.mark.parametrize(
@@ -48,6 +65,9 @@ def test_a_route_needs_pairs() -> None:
         (["fly", "3"], "'fly'"),
         (["--domain", "78"], "what to do is missing"),
         (["--domain", "78", "drive", "3"], "required: y"),
+        (["task"], "required: name (see"),
+        (["fault"], "required: kind (see"),
+        (["cancel", "x"], "'x': allowed is a whole number"),
     ],
 )
 def test_wrong_words_are_told_by_their_names(
@@ -105,6 +125,7 @@ class Heard:
         ("drive 1 2 --frame base_link --dry-run", "drive", "/drive/question", [(1.0, 2.0, 0.0)], "base_link"),
         ("route 1 2 3 4", "drive", "/waypoints", [(1.0, 2.0, 0.0), (3.0, 4.0, 0.0)], "map"),
         ("route 1 2 3 4 --dry-run", "drive", "/drive/question", [(1.0, 2.0, 0.0), (3.0, 4.0, 0.0)], "map"),
+        ("route 1 2 --yaw -1 -3 -4e0", "drive", "/waypoints", [(1.0, 2.0, 0.0), (-3.0, -4.0, 0.0)], "map"),
         ("arm 1 0 -0.2", "arm", "/arm/goal_pose", [(1.0, 0.0, -0.2)], "base_link"),
     ],
 )
@@ -124,6 +145,8 @@ def test_a_place_goes_out_on_the_topic_of_its_command(
         ("task tare seconds=2", "arm", "/arm/task", {"seconds": "2"}),
         ("task place position=1,0,0", "arm", "/arm/task", {"position": "1 0 0"}),
         ("power cameras off", "power", "/power/request", {"cameras": "off"}),
+        ("task guarded_move --timeout 60 force=10", "arm", "/arm/task", {"force": "10"}),
+        ("task --tim 60 guarded_move --domain=7 force=10 speed=1", "arm", "/arm/task", {"force": "10", "speed": "1"}),
     ],
 )
 def test_words_go_out_on_the_topic_of_their_command(
@@ -133,6 +156,12 @@ def test_words_go_out_on_the_topic_of_their_command(
     assert main(command.split()) == 0
     ((told, on, message),) = Heard.sent
     assert (told, on, status_values(message)) == (who, name, words)
+
+
+def test_an_option_between_a_fault_and_its_words_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        run_script(main, ["fault", "motor_dead", "--domain", "79", "nope=3"])
+    assert "nope = 3: unknown key" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["", "--domain 3", "drive", "--frame drive 1 2", "fly 1 2", "drive 1 2 --speed 3"])

@@ -77,3 +77,27 @@ def test_a_machine_without_an_arm_is_stopped() -> None:
 def test_who_never_listens_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(goal_sending, "STOPPED_S", 0.2)
     assert Busy({"arm": 0}, ["drive", "arm"]).halt() == (False, "stop not heard by drive within 0.2 s")
+
+
+@pytest.mark.parametrize(
+    ("task", "shown"), [("pause", "moving, coming to rest"), ("resume", "moving, 100 % done, 0.00 s to go")]
+)
+def test_of_a_pause_no_progress_is_told(
+    task: str, shown: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """While a guided task comes to rest the arm tells the progress of its own way there, which is over."""
+    states = iter(["moving", "reached"])
+
+    class Pausing(Busy):
+        def spin(self, wall_s: float) -> None:
+            values = {"state": next(states), "goal_stamp": "7", "reason": "", "progress": "1.0", "time_to_go": "0.00"}
+            self.statuses["arm"] = status_message(20, STATUS_TOPICS["arm"], values)
+
+    client = Pausing({}, ["arm"])
+    client.now = 7
+    monkeypatch.setattr(client, "sender_to", lambda _, row: client.sender(row))
+    monkeypatch.setattr(client, "has_link", lambda: False)
+    monkeypatch.setattr(goal_sending, "SHOW_S", -1.0)
+    client.send("arm", "/arm/task", status_message(0, task, {}))
+    assert client.follow("task", 600.0) == ("reached", "")
+    assert capsys.readouterr().out == f"     0.00 s  {shown}\n"

@@ -71,7 +71,7 @@ def test_a_word_that_comes_late_takes_nothing_back() -> None:
 
 
 def test_cancel_takes_a_number_or_none() -> None:
-    assert parser().parse_args(["cancel"]).number == "" and parser().parse_args(["cancel", "4"]).number == "4"
+    assert parser().parse_args(["cancel"]).number is None and parser().parse_args(["cancel", "4"]).number == 4
 
 
 def test_cancel_where_nothing_runs() -> None:

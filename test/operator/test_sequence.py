@@ -1,22 +1,28 @@
 """Sequences of commands: what a file may say, when a step begins, what its end and an operator's words lead to."""
 
+from functools import partial
 from pathlib import Path
 
 import pytest
 import yaml
 
+from sojourn_bags.reading import read_bag
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_contract.codecs import decode
+from sojourn_contract.conformance.texts import GOAL_STATES
 from sojourn_contract.errors import UnknownFieldNameError
-from sojourn_contract.heartbeat import status_message
+from sojourn_contract.heartbeat import status_message, status_values
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import STANDARD
 from sojourn_operator.sequence.condition import conditions
 from sojourn_operator.sequence.file import SequenceConfig, read_sequence, scenario_text, sequence_text
 from sojourn_operator.sequence.runner import SequenceInput, SequenceRunner, SequenceState
+from sojourn_operator.sequence.status_words import KEYS, STATES
 from sojourn_operator.sequence_command import main
 from sojourn_operator.steps.step import LEAD_NS, GoalReport, RunFacts
 
+REPLAY = Path(__file__).parents[1] / "replay"
 CHARGE = "/battery_state.percentage"
 DRIVE = {"drive_to": {"x": 1.0, "y": 0.0}}
 
@@ -148,11 +154,36 @@ def test_comparisons(text: str, value: float | str, holds: bool) -> None:
         ("/battery_state.percent > 0.4", CHARGE),
         ("charge > 0.4", "no comparison"),
         (f"{CHARGE} > full", "allowed is == or !="),
+        ("/drive/status.stat == reached", "has no such key; the nearest: /drive/status.state"),
+        ("/power/status.soc_sigm_1 > 0.1", "the nearest: /power/status.soc_sigma"),
+        ("/arm/status.state == reeched", "no such state.*did you mean reached?"),
+        ("/drive/status.state != 3", "no such state: allowed is one of failed, idle, moving"),
+        ("/diagnostics.state[drive] == stoled", "did you mean stalled?"),
     ],
 )
 def test_what_is_no_comparison_is_said(text: str, said: str) -> None:
     with pytest.raises(UnknownFieldNameError, match=said):
         conditions(text, STANDARD)
+
+
+@pytest.mark.parametrize("key", ["slip_front_left", "soc_sigma_1", "somebody_elses", "asked_state"])
+def test_a_key_that_may_come_is_taken(key: str) -> None:
+    """That of a wheel or a store of which there are several, and that of a role that is somebody else's."""
+    assert conditions(f"/drive/status.{key} == 1 and /power/status.{key} == 1", STANDARD)
+
+
+def test_every_key_and_state_that_our_roles_have_said_is_taken() -> None:
+    said = set()
+    for folder in sorted(path for path in (REPLAY / "themes").iterdir() if path.is_dir()):
+        bag = read_bag(folder)
+        for name in (one for one in KEYS if one in bag):
+            for message in map(partial(decode, STANDARD.topic(name)), bag[name].data):
+                said |= {f"{name}.{key}" for key, _ in message.status[0].values}
+                said |= {f"{name}.state == {status_values(message)['state']}"}
+    assert len(said) > 100
+    for text in said:
+        assert conditions(text if "==" in text else f"{text} == idle", STANDARD)
+    assert set(STATES["/drive/status.state"]) == set(GOAL_STATES)
 
 
 def test_a_file_is_checked_before_anything_is_sent(tmp_path: Path, skid: LoadedScenario) -> None:
@@ -174,7 +205,8 @@ def test_a_file_is_checked_before_anything_is_sent(tmp_path: Path, skid: LoadedS
     assert "sequence.yaml:4" in several and CHARGE in several
     assert "has no arm" in several
     assert "did you mean drive_to?" in said("steps:\n  - drive_too: {x: 1.0, y: 0.0}\n")
-    assert "did you mean when?" in said("steps:\n  - drive_to: {x: 1.0, y: 0.0}\n    wen: /x.y > 1\n")
+    assert "did you mean when?" in (one := said("steps:\n  - drive_to: {x: 1.0, y: 0.0}\n    wen: /x.y > 1\n"))
+    assert len(one.splitlines()) == 1  # the one step that was refused makes no empty sequence
 
 
 def test_steps_go_to_a_scenario_and_back(tmp_path: Path, skid: LoadedScenario) -> None:

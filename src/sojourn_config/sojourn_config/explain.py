@@ -42,6 +42,8 @@ def problems_of(error: ValidationError, model: type[BaseModel], document: YamlDo
     problems: list[Problem] = []
     listed: set[KeyPath] = set()
     for detail in error.errors(include_url=False):
+        if _is_too_short_by_others(detail, document):
+            continue
         if detail["type"] == "extra_forbidden":
             problems.append(_unknown_key(detail, model, document, listed))
         else:
@@ -52,7 +54,7 @@ def problems_of(error: ValidationError, model: type[BaseModel], document: YamlDo
 def allowed_text(place: KeySchema) -> str:
     """What may stand at a place, in words: `a number above 0, at most 1 (shear modulus [m])`."""
     words = _type_words(place.annotation)
-    unit = "characters" if place.annotation is str else "values"
+    unit = "characters" if str in _members(place.annotation) else "values"
     bounds = ", ".join(_bounds(place.metadata, unit))
     text = f"{words} {bounds}" if bounds else words
     return f"{text} ({place.description})" if place.description else text
@@ -94,6 +96,14 @@ def _of_told_kind(place: KeySchema, table: Data) -> KeySchema:
     return place
 
 
+def _is_too_short_by_others(detail: ErrorDetails, document: YamlDocument) -> bool:
+    """Whether a list is too short only because values of it were refused, each of which has a problem of its own."""
+    if detail["type"] != "too_short":
+        return False
+    _, value = _path_in_data(detail, document.data)
+    return isinstance(value, list | dict) and len(value) >= detail["ctx"]["min_length"]
+
+
 def _unknown_key(detail: ErrorDetails, model: type[BaseModel], document: YamlDocument, listed: set[KeyPath]) -> Problem:
     """An unknown key. The valid keys of a table are listed once, with the first one."""
     path, value = _path_in_data(detail, document.data)
@@ -119,7 +129,7 @@ def _problem(detail: ErrorDetails, model: type[BaseModel], document: YamlDocumen
         return _from_validator(detail, path, value, document)
     if place is None:
         return document.problem(path, value, detail["msg"])
-    if kind in ("too_short", "too_long", "string_pattern_mismatch"):
+    if kind == "string_pattern_mismatch":
         return document.problem(path, value, f"allowed is {allowed_text(place)}: {detail['msg']}")
     if isinstance(value, str) and _is_number(place.annotation):
         wanted = allowed_text(place)

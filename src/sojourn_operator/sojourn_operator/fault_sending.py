@@ -3,26 +3,39 @@
 import argparse
 from collections.abc import Iterable, Mapping
 
-from sojourn_config.command_errors import CommandError
+from sojourn_config.command_errors import UsageError
 from sojourn_contract.errors import ContractError
 from sojourn_contract.fault_messages import TOPIC, FaultEvent, fault_message, read_fault
 from sojourn_contract.heartbeat import Heartbeat, status_message
 from sojourn_contract.values import DiagnosticArray
+from sojourn_machine.fault_names import FAULTS
 
 CAME, WENT, REFUSED = "it has come", "it has gone", "refused"
 
 
 def fault_event(given: argparse.Namespace, words: Iterable[tuple[str, str]]) -> FaultEvent:
-    """What was asked for. Raises CommandError for words that no fault has."""
+    """What was asked for. Raises UsageError, ConfigError for words that no fault has."""
+    told = {"kind": given.kind, **_with_lists(words)}
     try:
-        event = read_fault(status_message(0, given.name, {"kind": given.kind, **_with_lists(words)}))
+        event = read_fault(status_message(0, given.name, told))
     except ContractError as error:
-        raise CommandError(str(error).removeprefix(f"{TOPIC}.")) from None
+        if told["kind"] in FAULTS.names():
+            _refuse(told)
+        raise UsageError(str(error).removeprefix(f"{TOPIC}.")) from None
     if event.fault.in_scenario_alone:
-        raise CommandError(
-            "allowed in a scenario alone, where whoever waits for messages that are lost or late knows it"
-        )
+        raise UsageError("allowed in a scenario alone, where whoever waits for messages that are lost or late knows it")
     return event._replace(comes=not given.gone)
+
+
+def _refuse(words: Mapping[str, str]) -> None:
+    """Say of words that their kind does not take what it does take, as of those of a scenario. Raises ConfigError."""
+    from sojourn_config.load import validate  # not above: words that are right need none of it
+    from sojourn_config.yaml_file import YamlDocument, parse_value
+
+    file = f"fault {words['kind']}"
+    validate(
+        YamlDocument(file, {key: parse_value(text, file) for key, text in words.items()}), FAULTS.get(words["kind"])
+    )
 
 
 def message_of(event: FaultEvent) -> DiagnosticArray:

@@ -2,10 +2,15 @@
 
 from collections.abc import Mapping
 
+from sojourn_operator.goal_messages import QUESTION
+
+AT_NO_TIME = f"{QUESTION}.header = a goal now: allowed is none while "
+"""What the contract puts before the drive's own sentence where it refuses every goal, such as while the arm is out."""
+
 
 def foresight_lines(answer: Mapping[str, str]) -> list[str]:
     """One line for each thing that is known. answer: fields of /drive/status."""
-    state, reason = answer.get("asked_state", "?"), answer.get("asked_reason", "")
+    state, reason = answer.get("asked_state", "?"), answer.get("asked_reason", "").removeprefix(AT_NO_TIME)
     lines = [f"{state}: {reason}" if reason else state]
     for key, name, form in (
         ("asked_length_m", "path", "{:.2f} m"),
@@ -16,7 +21,10 @@ def foresight_lines(answer: Mapping[str, str]) -> list[str]:
     ):
         if key in answer:
             lines.append(f"{name + ':':18} {form.format(float(answer[key]))}")
-    if "asked_tilt" in answer:
+        elif key == "asked_charge_at_end" and "asked_energy_wh" in answer:
+            unknown = "not known: the drive has not heard of a battery; whether it lasts is not judged"
+            lines.append(f"{name + ':':18} {unknown}")
+    if "asked_tilt" in answer:  # beside its margin, the last so far
         lines[-1] += f" ({answer['asked_tilt']})"
     if "asked_seen" in answer:
         lines.append(f"{'ground seen:':18} {float(answer['asked_seen']):.0%} of the path")

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from itertools import islice
 
 from sojourn_config import command_line
 from sojourn_flight.arm.tasks.names import TASKS
@@ -12,7 +13,7 @@ VERBS = ("drive", "route", "arm", "task", "power", "here", "fault", "cancel", "s
 WITH_VALUE = (
     "--domain", "--namespace", "--timeout", "--frame", "--yaw", "--z", "--within", "--name", "--over", "--set",
 )  # fmt: skip
-"""Options before whose value no verb stands."""
+"""Options behind which their value stands."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -55,7 +56,7 @@ def parser() -> argparse.ArgumentParser:
     arm.add_argument("--frame", default="base_link", help="base_link (default)")
     task = commands.add_parser("task", help="a task of the arm: guarded_move force=10 speed=0.01")
     task.add_argument("name", help=f"one of {', '.join(TASKS.names())}")
-    task.add_argument("values", nargs="*", metavar="KEY=VALUE", help="its numbers; a vector as 0,0,-1")
+    task.add_argument("values", nargs="*", default=[], metavar="KEY=VALUE", help="its numbers; a vector as 0,0,-1")
     power = commands.add_parser("power", help="switch a load on or off")
     power.add_argument("load", help="its name in the machine's power.yaml; sleep: the machine")
     power.add_argument("switch", choices=("on", "off"))
@@ -72,11 +73,15 @@ def parser() -> argparse.ArgumentParser:
     )
     fault = commands.add_parser("fault", help="let something fail: fault motor_dead joint=wheel_front_left_joint")
     fault.add_argument("kind", help=f"one of {', '.join(FAULTS.names())}")
-    fault.add_argument("values", nargs="*", metavar="KEY=VALUE", help="words of its kind; a vector as 0,0,1")
+    fault.add_argument(
+        "values", nargs="*", default=[], metavar="KEY=VALUE", help="words of its kind; a vector as 0,0,1"
+    )
     fault.add_argument("--name", default="", help="of the fault (default: its kind and what it is of)")
     fault.add_argument("--gone", action="store_true", help="it goes again")
     cancel = commands.add_parser("cancel", help="take back commands that wait for a link to Earth")
-    cancel.add_argument("number", nargs="?", default="", help="of the command, as it is shown; all if left out")
+    cancel.add_argument(
+        "number", type=command_line.whole_number, nargs="?", help="of the command, as it is shown; all if left out"
+    )
     stop = commands.add_parser("stop", help="stop drive and arm")
     for command in (drive, route, arm, task, power, here, fault, cancel, stop):
         command_line.add_place(command)
@@ -90,25 +95,46 @@ def parser() -> argparse.ArgumentParser:
     return result
 
 
-def verb_first(arguments: Sequence[str]) -> list[str]:
-    """The same with what stands before the verb behind it, for options are told in any order. Where none is a verb, the
-    first word that could be meant as one is taken for it, and refused by its name.
+def in_order(arguments: Sequence[str]) -> list[str]:
+    """The same as verb, options, words: so options are told in any order, also between words, where argparse takes no
+    further word of a list. Where none is a verb, the first word is taken for it, and refused by its name.
     """
-    words = [
-        place
-        for place, word in enumerate(arguments)
-        if not word.startswith("-") and (place == 0 or arguments[place - 1] not in WITH_VALUE)
-    ]
-    for place in [place for place in words if arguments[place] in VERBS] or words[:1]:
-        return [arguments[place], *arguments[:place], *arguments[place + 1 :]]
-    return list(arguments)
+    words, options = list[str](), list[str]()
+    rest = iter(arguments)
+    for one in rest:
+        if one == "--":
+            words += rest
+        elif not _is_option(one):
+            words.append(one)
+        else:
+            options.append(one)
+            if _takes_value(one):
+                options += islice(rest, 1)
+    if not words:
+        return options
+    verb = words.pop(next((place for place, word in enumerate(words) if word in VERBS), 0))
+    return [verb, *options, *(["--", *words] if words else [])]
+
+
+def _is_option(word: str) -> bool:
+    """Whether a word is one; a number below zero is none."""
+    try:
+        float(word)
+    except ValueError:
+        return word.startswith("-")
+    return False
+
+
+def _takes_value(option: str) -> bool:
+    """Whether the next word is its value. It may be told by its first letters."""
+    return "=" not in option and any(name.startswith(option) for name in WITH_VALUE)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Send a goal; 0 only if it was reached (a stop: if drive and arm stand; a dry run: if it is allowed; a switch: if
     it is done).
     """
-    words, options = verb_first(sys.argv[1:] if arguments is None else arguments), parser()
+    words, options = in_order(sys.argv[1:] if arguments is None else arguments), parser()
     if words and words[0].startswith("-") and not {"-h", "--help"} & set(words):
         options.error(f"what to do is missing: allowed is one of {', '.join(VERBS)}")
     given = options.parse_args(words)

@@ -27,7 +27,7 @@ def _drive_goal(given: argparse.Namespace) -> PoseStamped | Path:
     if given.command == "drive":
         return drive_goal(0, (given.x, given.y), given.yaw, given.frame, given.z)
     if len(given.points) % 2:
-        raise CommandError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
+        raise UsageError(f"points: {len(given.points)} numbers, allowed is an even count: X Y for each point")
     return route_goal(0, list(zip(given.points[::2], given.points[1::2], strict=True)), given.yaw, given.frame)
 
 
@@ -47,7 +47,7 @@ def _goal(given: argparse.Namespace) -> Message:
 def _key_and_value(text: str) -> tuple[str, str]:
     key, found, value = text.partition("=")
     if not found or not key:
-        raise CommandError(f"{text!r}: allowed is KEY=VALUE")
+        raise UsageError(f"{text!r}: allowed is KEY=VALUE")
     return key, value.replace(",", " ")
 
 
@@ -64,7 +64,7 @@ def _ask(client: GoalClient, goal: PoseStamped | Path, timeout_s: float) -> int:
 def _drive_over(given: argparse.Namespace) -> int:
     """Drive over the map of a scenario; 0 if the goal was reached, or with --dry-run is allowed."""
     if given.frame != "map":
-        raise CommandError(f"--over: a route over the map ends in map, not in {given.frame}")
+        raise UsageError(f"--over: a route over the map ends in map, not in {given.frame}")
     # here: no other goal needs a map, nor the tenth of a second in which all of it loads
     from sojourn_flight.planning.global_route import NoRouteError
     from sojourn_operator.far_goal import drive_far, route_words, site_of
@@ -115,7 +115,7 @@ def run(given: argparse.Namespace) -> int:
         return _fail(given)
     if given.command == "cancel":
         with GoalClient(given.domain, given.namespace) as client:
-            gone = client.cancel(given.number)
+            gone = client.cancel("" if given.number is None else str(given.number))
         command_line.say(
             f"cancelled: {', '.join(gone)}" if gone else "nothing of it waits: what has begun to leave goes its way"
         )

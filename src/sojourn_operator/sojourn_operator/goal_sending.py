@@ -46,6 +46,7 @@ GOALS = {
     "fault": ("plant or sensors", FAULTS_TOPIC),
 }
 """Of each command who carries it out, and on which topic it goes."""
+PAUSE = "pause"
 STOP_TOPICS = {"drive": "/cmd_vel", "arm": "/arm/stop"}
 DONE = "done"
 ENDS = {"power": (DONE, "waiting", "refused"), "here": (DONE, "refused")}
@@ -86,6 +87,8 @@ class GoalClient(Desk):
         """Last heartbeat of each role."""
         self._start = StartWatch(self._held)
         self._last_stamp = 0
+        self._pauses = False
+        """Whether what has just been sent is a pause, during which progress is not of what was paused."""
 
     def __enter__(self) -> Self:
         super().__enter__()
@@ -107,6 +110,7 @@ class GoalClient(Desk):
             sender = self.sender_to("the link to Earth", row)
         sender.publish(encode(row, stamped(message, self.now)))
         self._last_stamp = self.now
+        self._pauses = isinstance(message, DiagnosticArray) and [one.name for one in message.status] == [PAUSE]
         return self._last_stamp
 
     def cancel(self, number: str) -> list[str]:
@@ -229,8 +233,8 @@ class GoalClient(Desk):
                 return report.state, report.reason
             if time.monotonic() - said_at > SHOW_S and report.goal_stamp == self._last_stamp:
                 said_at = time.monotonic()
-                line = f"{seconds(self.now):9.2f} s  {report.state}, {_to_go(who, status_values(status))}"
-                command_line.say(line)
+                left = "coming to rest" if self._pauses else _to_go(who, status_values(status))
+                command_line.say(f"{seconds(self.now):9.2f} s  {report.state}, {left}")
         if self.stop.is_set:
             return "interrupted", "the goal goes on: stop it with scripts/goal stop"
         return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"

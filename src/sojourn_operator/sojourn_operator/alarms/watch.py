@@ -15,6 +15,7 @@ from sojourn_config.extends import read_document
 from sojourn_config.load import validate
 from sojourn_config.machine_reader import ALARMS
 from sojourn_config.scenario import LoadedScenario
+from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import seconds
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.values import DiagnosticArray, DiagnosticStatus, Message
@@ -99,4 +100,7 @@ def limits_of(scenario: LoadedScenario, file: Path | None = None) -> dict[str, A
     own = scenario.documents.get(ALARMS)
     if own is not None:
         limits = validate(own, AlarmSet).over(limits)
-    return limits if file is None else validate(read_document(file, "parts"), AlarmSet).over(limits)
+    if file is not None:
+        limits = validate(read_document(file, "parts"), AlarmSet).over(limits)
+    AlarmEngine(limits, table_of(scenario))  # which looks for each field
+    return limits

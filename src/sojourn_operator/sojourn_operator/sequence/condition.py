@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from sojourn_contract.errors import UnknownFieldNameError
 from sojourn_contract.named_fields import FieldValue, NamedField, as_number, named_field
 from sojourn_contract.topic_table import TopicTable
+from sojourn_operator.sequence.status_words import check_words
 
 OPERATORS: Mapping[str, Callable[[FieldValue, FieldValue], bool]] = {
     ">=": operator.ge, "<=": operator.le, "==": operator.eq, "!=": operator.ne, ">": operator.gt, "<": operator.lt,
@@ -50,5 +51,7 @@ def conditions(text: str, table: TopicTable) -> tuple[Condition, ...]:
         value = as_number(one["value"].strip("'\""))
         if isinstance(value, str) and one["operator"] not in ("==", "!="):
             raise UnknownFieldNameError(part, f"{value!r} is a text: allowed is == or !=", ())
-        found.append(Condition(named_field(one["field"], table), one["operator"], value))
+        field = named_field(one["field"], table)
+        check_words(field, value)
+        found.append(Condition(field, one["operator"], value))
     return tuple(found)
