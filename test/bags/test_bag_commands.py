@@ -46,6 +46,17 @@ def test_a_report_goes_into_a_folder_that_is_named(run: Path, tmp_path: Path, op
     assert not [path for path in tmp_path.parent.iterdir() if path.name.startswith(f"{tmp_path.name}.")]
 
 
+@pytest.mark.parametrize("options", [[], ["--html", "--no-contract"]])
+def test_a_report_is_its_owners_alone_as_its_bag_is(run: Path, tmp_path: Path, options: list[str]) -> None:
+    before = os.umask(0o022)
+    try:
+        assert report.main([str(run), "--out", str(tmp_path), *options]) == 0
+        assert os.umask(0o022) == 0o022  # what else is written is as it was
+    finally:
+        os.umask(before)
+    assert {path.stat().st_mode & 0o777 for path in tmp_path.iterdir() if path.is_file()} == {0o600}
+
+
 def test_plot_prints_the_numbers(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     field = "/truth/electrical.percentage"
     arguments = [str(run), field, field, "--out", str(tmp_path / "a.png"), "--csv", str(tmp_path / "a.csv")]

@@ -1,5 +1,7 @@
 """Bags of several files: what they hold is what one file would, whoever reads them."""
 
+import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -9,17 +11,22 @@ from hypothesis import strategies as st
 from rosbags.rosbag2 import Reader
 
 from sojourn_bags import writer as writing
-from sojourn_bags.definitions import ChannelSpec, qos_entry
-from sojourn_bags.errors import BagExistsError, UnreadableBagError
+from sojourn_bags.completeness import RECORD, Completeness, Count, why_incomplete
+from sojourn_bags.cut_off import check_recorded, unless_cut_off
+from sojourn_bags.definitions import RUN_RECORD, ChannelSpec, qos_entry
+from sojourn_bags.errors import BagExistsError, ReplayError, UnreadableBagError
+from sojourn_bags.heard_script import _said
 from sojourn_bags.metadata_file import METADATA_FILE
 from sojourn_bags.parts import BagSalvage, counts_in, parts_of
+from sojourn_bags.quick_writer import QuickWriter
 from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recovery import examine, recover
 from sojourn_bags.writer import Attachment, BagWriter
 from sojourn_contract import qos
 from sojourn_contract.codecs import encode
-from sojourn_contract.topics import topic
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import STANDARD, topic
 from sojourn_contract.values import Clock, Header
 
 CLOCK, TICK = topic("/clock"), topic("/operator/tick")
@@ -27,18 +34,19 @@ LATE = 60
 """Message with which the second topic begins: in a later file than the first."""
 
 
-def written(folder: Path, largest: int, count: int = 120) -> Path:
+def written(folder: Path, largest: int, count: int = 120, late: int = 0) -> Path:
     """A bag of two topics whose files are to be no larger than so many bytes."""
     rows = (CLOCK, TICK)
     specs = [ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, True, row.publisher))) for row in rows]
     writer = BagWriter(folder, specs, [Attachment("scenario.txt", "text/plain", b"where it was")])
     writer.largest_part = largest
     for number in range(1, count + 1):
-        writer.write(0, number, number, encode(CLOCK, Clock(number)))
+        writer.write(0, number, number, encode(CLOCK, Clock(number + late)))
         if number >= LATE:
             writer.write(1, number, number, encode(TICK, Header(number, "a tick that is not quite short " * 3)))
         writer.flush()
-    writer.close({"account": {"complete": "true"}})
+    account = Completeness({name: Count(number, number) for name, number in writer.recorded().items()}).as_record()
+    writer.close({"account": {"complete": "true"}, RECORD: account})
     return folder
 
 
@@ -129,6 +137,75 @@ def test_what_is_not_one_bag_is_refused_in_words(split: Path) -> None:
     assert len(alone.parts) == 1 and len(alone[CLOCK.name])
 
 
+def moved(split: Path, change: str, foreign: Path) -> None:
+    """Put the files of a bag, or of two, where they do not belong; the folder then still looks like one bag."""
+    parts = parts_of(split)
+    if change == "missing":
+        parts[1].unlink()
+        for one in parts[2:]:
+            one.rename(split / f"bag_{int(one.stem.removeprefix('bag_')) - 1}.mcap")
+    elif change == "last missing":
+        parts[-1].unlink()
+    elif change == "doubled":
+        shutil.copy(parts[1], split / f"bag_{len(parts)}.mcap")
+    elif change == "swapped":
+        first, second = (parts[number].read_bytes() for number in (1, 2))
+        parts[1].write_bytes(second)
+        parts[2].write_bytes(first)
+    elif change == "of another":
+        shutil.copy(parts_of(foreign)[1], parts[1])
+    elif change == "another added":
+        shutil.copy(parts_of(foreign)[0], split / f"bag_{len(parts)}.mcap")
+
+
+MISPLACED = {
+    "missing": "bag_1.mcap is part 2 of its bag, and stands as part 1",
+    "last missing": r"is followed by part \d+, which is missing",
+    "doubled": "is part 1 of its bag, and stands as part",
+    "swapped": "bag_1.mcap is part 2 of its bag, and stands as part 1",
+    "of another": "bag_1.mcap is not of the same bag as bag_0.mcap",
+    "another added": "does not say that it goes on|begins with message 1 of /clock, and message 121 is next",
+}
+
+
+@pytest.mark.parametrize("change", MISPLACED)
+def test_files_that_are_not_one_bag_are_named(
+    split: Path, tmp_path: Path, change: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """They were read as a complete one."""
+    moved(split, change, written(tmp_path / "other", 4000, late=1))
+    bag = read_bag(split)
+    assert not bag.whole and re.search(MISPLACED[change], bag.misfit), bag.misfit
+    assert unless_cut_off(0, [bag]) == 1
+    assert f"{bag.path} is not what was recorded: {bag.misfit}" in capsys.readouterr().err
+    with pytest.raises(ReplayError, match="is not what was recorded"):
+        check_recorded(bag)
+    found = examine(split)
+    assert not found.whole and not found.all_messages and found.damage == bag.misfit
+
+
+@pytest.mark.parametrize("change", ["missing", "doubled", "swapped"])
+def test_so_are_those_that_were_recorded_before_they_said_their_place(
+    split: Path, tmp_path: Path, change: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(QuickWriter, "add_metadata", lambda self, name, values: None)
+    old = written(tmp_path / "before" / "bag", 4000)
+    assert read_bag(old).whole and content(read_bag(old)) == content(read_bag(split))
+    moved(old, change, split)
+    assert "is next" in read_bag(old).misfit
+
+
+def test_a_file_of_a_bag_alone_is_not_all_of_it(split: Path) -> None:
+    assert read_bag(split / "bag_1.mcap").misfit == "bag_1.mcap is part 1 of its bag, alone"
+    assert "is followed by part 1, which is missing" in read_bag(split / "bag_0.mcap").misfit
+
+
+def test_what_is_mended_of_misplaced_files_is_not_called_complete(split: Path, tmp_path: Path) -> None:
+    moved(split, "swapped", split)
+    mended = read_bag(recover(examine(split), tmp_path / "mended"))
+    assert why_incomplete(mended.records.get(RECORD)) == "bag_1.mcap is part 2 of its bag, and stands as part 1"
+
+
 def test_a_bag_of_several_files_is_never_written_over(split: Path) -> None:
     with pytest.raises(BagExistsError):
         BagWriter(split, [])
@@ -137,3 +214,14 @@ def test_a_bag_of_several_files_is_never_written_over(split: Path) -> None:
 def test_a_scenario_says_how_large_a_file_may_be(tmp_path: Path) -> None:
     run = RecordedRun("flat_drive", ("bag_part_mb=2.5",), ("plant", "recorder"), True)
     assert run.open(tmp_path / "bag", lambda name, error: None).writer.largest_part == 2_500_000
+
+
+def test_the_plant_is_asked_for_what_it_says_of_the_next_period(tmp_path: Path) -> None:
+    """Its truth at its opening was left out of a replay by what it heard, and that at the end was one too many."""
+    read = read_bag(written(tmp_path / "whole", 1 << 30))
+    read.records[RUN_RECORD] = {"lockstep": "false", "participants": "plant,recorder"}
+    clock = read[CLOCK.name]
+    clock.data = [encode(CLOCK, Clock(period * CONTROL_PERIOD_NS)) for period in range(1, 121)]
+    acted = {period * CONTROL_PERIOD_NS for period in (1, 2, 3)}
+    said = _said(read, STANDARD, "plant", acted)[CLOCK.name]
+    assert said.data == clock.data[:4]

@@ -12,11 +12,14 @@ from matplotlib.image import imread
 from nav_msgs.msg import Odometry
 from synthetic import PERIOD, SyntheticRun
 
+from sojourn_bags.completeness import RECORD, account
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.errors import IncompleteConfigError, UnknownTopicInBagError
 from sojourn_bags.goals import refused_velocities
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.report import write_report
 from sojourn_bags.summary import summarise, write_summary
+from sojourn_contract.topics import TOPICS
 
 RADIUS, YAW_END = 6.0, 1.5
 HEIGHT = 0.5
@@ -162,6 +165,20 @@ def test_steps_that_were_never_sent_and_a_roll_over_fail_the_run(tmp_path: Path)
     assert found["max_tilt_deg"] == pytest.approx(math.degrees(1.6), abs=1e-4)
     assert found["verdict"].startswith("The rover rolled over: it tilted by 92 degrees.")
     assert found["energy_wh"] is None and found["max_sinkage_m"] is None and found["soc_end"] is None
+
+
+def test_a_bag_with_other_counts_than_its_recorder_wrote_is_not_complete(tmp_path: Path) -> None:
+    """The recorder's word for it was believed, whatever was read."""
+    run = SyntheticRun(tmp_path / "bag", "lunar_sample")
+    for period in range(1, 11):
+        run.truth(period * PERIOD, (0.0, 0.0, 0.5, 0.0), {}, 0.0)
+    wrote = {**run.writer.recorded(), "/clock": 12, "/odom": 3}
+    account_of_more = account(TOPICS, wrote, wrote, 10 * PERIOD).as_record() | {"complete": "true"}
+    run.writer.close({RUN_RECORD: {"participants": "plant,recorder"}, RECORD: account_of_more})
+    bag = read_bag(tmp_path / "bag")
+    assert not bag.whole and "/clock (10 of 12)" in bag.misfit and "/odom (0 of 3)" in bag.misfit
+    summary = summarise(bag)
+    assert not summary["complete"] and f"The record is not complete: {bag.misfit}." in summary["verdict"]
 
 
 def test_report_draws_the_run(good: Bag, tmp_path: Path) -> None:

@@ -63,6 +63,14 @@ def test_each_fault_has_a_name_of_its_own() -> None:
         load_scenario("flat_drive", [f"faults=[{fault}, {fault}]"])
 
 
+def test_a_fault_that_is_of_nothing_has_the_name_that_it_is_given() -> None:
+    """It was ignored, so that there could be no two of them."""
+    first = "{kind: soft_patch, x: 1, y: 1, radius: 0.5, part: 0.5, at: 1, name: sand trap}"
+    second = "{kind: soft_patch, x: 2, y: 1, radius: 0.5, part: 0.5, at: 1}"
+    found = load_scenario("flat_drive", [f"faults=[{first}, {second}]"]).config.faults
+    assert [one.called for one in found] == ["sand trap", "soft_patch"]
+
+
 def test_a_time_by_chance_is_that_of_the_seed() -> None:
     fault = f"{{kind: motor_dead, joint: {WHEEL}, when: {{between: [10, 20], later: 1.0}}}}"
     times = []

@@ -138,6 +138,64 @@ def test_files_that_are_none_are_refused(kept: dict[int, tuple[Path, str]], tmp_
         load(tmp_path / "nowhere")
 
 
+@pytest.mark.parametrize(
+    ("part", "value", "reason"),
+    [
+        ("roles", 5, "roles: a int: allowed is a state of each"),
+        ("period", -5, "period: -5: allowed is 1 to"),
+        ("period", 10**30, "period: 10+: allowed is 1 to"),
+        ("period", True, "period: True: allowed is 1 to"),
+        ("messages", None, "messages: allowed is the last messages of each topic"),
+    ],
+)
+def test_a_tree_that_was_altered_is_refused_in_words(
+    kept: dict[int, tuple[Path, str]], tmp_path: Path, part: str, value: object, reason: str
+) -> None:
+    """These were tracebacks: AttributeError, KeyError, struct.error."""
+    with pytest.raises(CheckpointError, match=reason):
+        load(changed(kept[3][0], tmp_path / "altered", lambda tree: tree | {part: value}))
+
+
+def with_part(original: Path, where: Path, name: str, data: bytes) -> Path:
+    """A checkpoint with other bytes as one of its parts."""
+    with zipfile.ZipFile(original) as old, zipfile.ZipFile(where, "w") as new:
+        for part in old.namelist():
+            new.writestr(part, data if part == name else old.read(part))
+    return where
+
+
+@pytest.mark.parametrize(
+    ("header", "reason"),
+    [
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (100000000000,), }", "8 bytes: an array of float64"),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (-1,), }", "8 bytes: an array of float64"),
+        ("{'descr': '|O', 'fortran_order': False, 'shape': (1,), }", "8 bytes: an array of object"),
+        ("{'descr': '<f8', 'shape': }", "no checkpoint"),
+    ],
+)
+def test_an_array_that_says_what_is_not_there_is_refused(
+    kept: dict[int, tuple[Path, str]], tmp_path: Path, header: str, reason: str
+) -> None:
+    """Before memory for it is taken: MemoryError was raised by 128 bytes."""
+    text = header.ljust(117).encode() + b"\n"
+    data = np.lib.format.magic(1, 0) + len(text).to_bytes(2, "little") + text + bytes(8)
+    with pytest.raises(CheckpointError, match=reason):
+        load(with_part(kept[3][0], tmp_path / "array", "0.npy", data))
+
+
+def test_a_part_that_cannot_be_unpacked_is_refused(kept: dict[int, tuple[Path, str]], tmp_path: Path) -> None:
+    """Where a bit of what is packed has been flipped: zlib has words of its own, which were a traceback."""
+    data = kept[3][0].read_bytes()
+    with zipfile.ZipFile(kept[3][0]) as archive:
+        first = archive.infolist()[0]
+        begin = first.header_offset + 30 + len(first.filename)
+    for bit in (1, 2):
+        damaged = tmp_path / f"flipped {bit}"
+        damaged.write_bytes(data[:begin] + bytes([data[begin] ^ (1 << bit)]) + data[begin + 1 :])
+        with pytest.raises(CheckpointError, match="no checkpoint"):
+            load(damaged)
+
+
 @dataclass(frozen=True)
 class Holder:
     value: Any

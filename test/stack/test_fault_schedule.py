@@ -1,8 +1,10 @@
 """A schedule of faults in a whole run: they come and go when they should, are in the bag, and part of the state."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sojourn_bags.contract_version import check_own_contract
@@ -11,8 +13,11 @@ from sojourn_config.scenario import load_scenario
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.fault_messages import FaultEvent, fault_message, read_fault
 from sojourn_contract.heartbeat import status_message
+from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import ROLES, topic
+from sojourn_contract.values import Odometry
 from sojourn_machine.fault_choice import read_fault_words
+from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, SeenRun
 from sojourn_plant.app import PlantApp
 from sojourn_sensors.app import SensorsApp
 from sojourn_stack.apps import make_apps
@@ -86,6 +91,21 @@ def test_a_bag_whose_sensors_wait_for_the_operator_is_one_of_our_contract(tmp_pa
     fault = "faults=[{kind: sensor, sensor: imu, stuck: true, at: 0.3}]"
     run(RunSpec("flat_drive", tuple(ROLES), (fault, "duration_limit_s=0.5"), tmp_path / "bag"))
     assert check_own_contract(read_bag(tmp_path / "bag"))
+
+
+def test_a_fault_whose_end_is_past_when_its_event_comes_never_comes() -> None:
+    """It came for one control period."""
+    (fault,) = load_scenario(
+        "flat_drive", [f"faults=[{{kind: motor_dead, joint: {WHEEL}, when: {{after_step: 1}}, until: 2.0}}]"]
+    ).config.faults
+    schedule = FaultSchedule([fault], seed=1)
+    truth = Odometry(0, "map", "base_link", np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), np.zeros(3))
+    state, said = schedule.look(ScheduleState(), SeenRun(3 * NANOSECONDS, 1, {}, truth))
+    later, said_later = schedule.look(state, SeenRun(4 * NANOSECONDS, 1, {}, truth))
+    assert said == said_later == [] and not later.begun
+    assert schedule.quiet_until(later) == math.inf
+    in_time, said = schedule.look(ScheduleState(), SeenRun(NANOSECONDS, 1, {}, truth))
+    assert len(said) == 1 and fault.called in in_time.begun
 
 
 def test_a_message_says_a_fault_and_is_read_again() -> None:

@@ -10,6 +10,7 @@ from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Sch
 from mcap.writer import CompressionType, Writer
 
 from sojourn_bags.metadata_file import PartEntry, TopicEntry, bag_information, write_metadata_file
+from sojourn_bags.part_ties import OURS
 
 CHUNK = 1 << 20
 """Bytes of content after which a chunk ends."""
@@ -30,7 +31,7 @@ class BagCopy:
         self._file = file
         self._stream = file.open("xb")
         self.writer = Writer(self._stream, chunk_size=chunk, compression=CompressionType.ZSTD)
-        self.writer.start(profile="ros2", library="sojourn_bags")
+        self.writer.start(profile="ros2", library=OURS)
         self._counts: dict[str, int] = {}
         self._part = PartEntry(file.name)
         self.channels: dict[int, tuple[int, Channel]] = {}

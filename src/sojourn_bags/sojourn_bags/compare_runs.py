@@ -69,7 +69,7 @@ def run(given: argparse.Namespace) -> int:
     for name, bag in zip("AB", bags, strict=True):
         count, stamp = sum(len(each) for each in bag.topics.values()), last_log_time(bag.topics)
         print(f"{name}: {bag.path}, {count} messages, {at(stamp)}")
-    cut = [bag for bag in bags if not bag.whole]
+    cut = [bag for bag in bags if not bag.whole and not bag.misfit]
     if cut:
         end = min(last_log_time(bag.topics) for bag in cut)
         names = " and ".join(str(bag.path) for bag in cut)

@@ -17,6 +17,8 @@ RECORD = "sojourn_completeness"
 """Name of the metadata record in the bag."""
 FOREIGN = "foreign"
 """In it: topics that hold messages which their publisher has not sent, and how many."""
+SHOWN = 3
+"""Topics that a sentence names."""
 NOT_COUNTED = 2 * HEARTBEAT_PERIODS
 """Control periods of which a publisher that was killed may not have counted its messages."""
 
@@ -133,8 +135,47 @@ def published_by(record: Mapping[str, str]) -> dict[str, int | None] | None:
     """Messages published, by topic, as the record of a bag has them (None where nobody counted); None where it cannot
     be read: nothing in a file guards a metadata record.
     """
+    return _counted(record, "published")
+
+
+def miscounted(record: Mapping[str, str], found: Mapping[str, int], thinned: bool = False) -> str:
+    """In words, of which topics more or fewer messages have been read than the recorder has written; "" where it is as
+    many, or nothing can be read of how many it has written.
+
+    Args:
+        record: of the bag. found: messages read, by topic. thinned: whether the bag lacks topics on purpose.
+    """
+    recorded = _counted(record, "recorded") or {}
+    wrong = {name: count for name, count in recorded.items() if count is not None and count != found.get(name, 0)}
+    lines = [
+        f"{name} ({found.get(name, 0)} of {count})" for name, count in wrong.items() if not thinned or found.get(name)
+    ]
+    if not lines:
+        return ""
+    more = f" and {len(lines) - SHOWN} more topics" if len(lines) > SHOWN else ""
+    return f"it does not hold as many messages as the recorder wrote of {', '.join(lines[:SHOWN])}{more}"
+
+
+def why_incomplete(record: Mapping[str, str] | None) -> str:
+    """What an account says against a bag, in words; "" where it says that all is there.
+
+    Args:
+        record: of the bag, None where it has none.
+    """
+    if record is None:
+        return "the recorder has left no account in it"
+    if published_by(record) is None:
+        return "the recorder's account in it cannot be read"
+    if record.get("complete") == "true":
+        return ""
+    gaps = [line for line in record.get("gaps", "").split("; ") if line]
+    more = f" and {len(gaps) - SHOWN} more topics" if len(gaps) > SHOWN else ""
+    return f"{'; '.join(gaps[:SHOWN])}{more}" or "the recorder says so, and not why"
+
+
+def _counted(record: Mapping[str, str], which: str) -> dict[str, int | None] | None:
     try:
-        counts = {str(name): count["published"] for name, count in json.loads(record.get("topics", "{}")).items()}
+        counts = {str(name): count[which] for name, count in json.loads(record.get("topics", "{}")).items()}
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None
     return counts if all(count is None or type(count) is int for count in counts.values()) else None

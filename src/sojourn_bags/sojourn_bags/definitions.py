@@ -23,6 +23,10 @@ if TYPE_CHECKING:  # who reads a bag needs none of the ROS library
 _NANOSECONDS = 1_000_000_000
 RUN_RECORD = "sojourn_run"
 """Name of the metadata record that describes the run."""
+THINNED_RECORD = "sojourn_thinned"
+"""Name of the metadata record that says to whose topics a bag is thinned."""
+RECOVERY_RECORD = "sojourn_recovery"
+"""Name of the metadata record that says that a bag has been mended, and from what."""
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from sojourn_bags.comparison import stamps_of
 from sojourn_bags.contract_version import check_contract, table_of_bag
+from sojourn_bags.cut_off import check_recorded
 from sojourn_bags.errors import ReplayError
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag, Messages
@@ -23,6 +24,8 @@ from sojourn_contract.heartbeat import Heartbeat
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
+
+PLANT = "plant"
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,7 @@ def heard_script_of(bag: Bag, role: str) -> HeardScript:
         OtherContractError, IncompleteConfigError: of the bag.
     """
     check_contract(bag)
+    check_recorded(bag)
     participants, table = tuple(run_of(bag)["participants"].split(",")), table_of_bag(bag)
     if role not in participants:
         raise ReplayError(f"{bag.path} is of a run without {role}: there were {', '.join(participants)}")
@@ -153,7 +157,11 @@ def _is_readable(row: Topic, data: bytes) -> bool:
 
 
 def _said(bag: Bag, table: TopicTable, role: str, acted: Collection[int]) -> dict[str, Messages]:
-    """What the role said in these periods, its heartbeats aside: they count what its node has sent, too."""
+    """What the role said in these periods, its heartbeats aside: they count what its node has sent, too. The plant
+    tells the truth of the next period, and before all others that of the first.
+    """
+    if role == PLANT:
+        acted = {CONTROL_PERIOD_NS, *acted, *(stamp + CONTROL_PERIOD_NS for stamp in acted)}
     found = {}
     for row in table.outputs_of(role, run_of(bag)["participants"].split(",")):
         if row.name == HEARTBEATS or row.name not in bag:

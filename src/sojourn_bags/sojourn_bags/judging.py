@@ -7,12 +7,12 @@ from typing import Any
 import yaml
 
 from sojourn_bags.contract_version import check_own_contract, table_of_bag
-from sojourn_bags.definitions import RUN_RECORD
+from sojourn_bags.definitions import RUN_RECORD, THINNED_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError, IncompleteConfigError, UnreadableMessageError
 from sojourn_bags.onset import RESUMED
 from sojourn_bags.reading import Bag, Messages
-from sojourn_bags.thinning import THINNED_RECORD, roles_of
+from sojourn_bags.thinning import roles_of
 from sojourn_bags.transforms import TOPIC as TRANSFORMS
 from sojourn_config.errors import ConfigError
 from sojourn_config.urdf import parse_urdf
@@ -105,7 +105,9 @@ def recorded_as(bag: Bag) -> Recorded:
         notes.append("the bag does not say under which contract it was recorded: judged by the present one")
     if not any(row.name in bag for row in TOPICS):
         raise UnjudgeableBagError(f"{bag.path} holds no message of the contract")
-    if not bag.whole:
+    if bag.misfit:
+        notes.append(f"the bag is not what was recorded: {bag.misfit}")
+    elif not bag.whole:
         until = max(messages.log_times[-1] for messages in bag.topics.values()) / 1e9
         notes.append(f"the bag is cut off: judged as far as it goes, {until:.2f} s")
     record = bag.records.get(RUN_RECORD, {})

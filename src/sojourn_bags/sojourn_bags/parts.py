@@ -10,9 +10,10 @@ from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from mcap.records import Channel, McapRecord, Message, Schema
+from mcap.records import Channel, Header, McapRecord, Message, Metadata, Schema
 
 from sojourn_bags.errors import UnreadableBagError
+from sojourn_bags.part_ties import PART_RECORD, PartTies
 from sojourn_bags.salvage import Salvage
 
 _NUMBERED = re.compile(r"(.*)_(\d+)\.mcap")
@@ -54,24 +55,29 @@ class BagSalvage:
 
     Attributes:
         whole, all_messages, damage, at: as of `Salvage`; of several files the damage names its own, bytes are counted
-            from the beginning of the first.
+            from the beginning of the first. Files that are not one bag are damage, too.
+        misfit: which file is not where it belongs, and why, in words; "" where nothing before it is damaged.
     """
 
     def __init__(self, parts: tuple[Path, ...]) -> None:
         self.parts = parts
         self.whole = self.all_messages = False
-        self.damage = ""
+        self.damage = self.misfit = ""
         self.at = 0
 
     @property
     def records(self) -> Iterator[McapRecord]:
-        """As of `Salvage`. Raises UnreadableBagError where the first file is none of ROS 2."""
-        numbers, before = _RecordNumbers(), 0
+        """As of `Salvage`, without what a file says of its place. Raises UnreadableBagError where the first file is
+        none of ROS 2.
+        """
+        alone = len(self.parts) == 1
+        numbers, ties, before = _RecordNumbers(), PartTies(alone), 0
         self.whole = self.all_messages = True
         for part in self.parts:
             salvage = Salvage(part)
+            ties.begin(part)
             try:
-                yield from salvage.records if len(self.parts) == 1 else numbers.anew(salvage.records)
+                yield from _fitting(salvage.records if alone else numbers.anew(salvage.records), ties)
                 damage, at = salvage.damage, salvage.at
             except UnreadableBagError as error:
                 if part == self.parts[0]:
@@ -79,9 +85,40 @@ class BagSalvage:
                 damage, at = error.reason, 0
             self.whole &= salvage.whole
             self.all_messages &= salvage.all_messages
-            if damage and not self.damage:
-                self.damage, self.at = damage if len(self.parts) == 1 else f"{part.name}: {damage}", before + at
+            if not damage:
+                ties.end()
+            self._note(damage if alone or not damage else f"{part.name}: {damage}", before + at)
+            self._note_misfit(ties, before)
             before += part.stat().st_size
+        ties.finish()
+        self._note_misfit(ties, before)
+
+    def _note(self, damage: str, at: int) -> None:
+        if damage and not self.damage:
+            self.damage, self.at = damage, at
+
+    def _note_misfit(self, ties: PartTies, at: int) -> None:
+        """Where nothing is damaged: behind damage no file goes on from the one before it."""
+        if ties.broken and not self.damage:
+            self.misfit = ties.broken
+            self.whole = self.all_messages = False
+            self._note(self.misfit, at)
+
+
+def _fitting(records: Iterator[McapRecord], ties: PartTies) -> Iterator[McapRecord]:
+    """The records of a file, all but what it says of its place, by which it is looked at."""
+    topics: dict[int, str] = {}
+    for record in records:
+        if isinstance(record, Message):
+            ties.message(topics[record.channel_id], record.sequence)
+        elif isinstance(record, Channel):
+            topics[record.id] = record.topic
+        elif isinstance(record, Header):
+            ties.header(record.library)
+        elif isinstance(record, Metadata) and record.name == PART_RECORD:
+            ties.record(record.metadata)
+            continue
+        yield record
 
 
 class _RecordNumbers:

@@ -35,7 +35,9 @@ def run(given: argparse.Namespace) -> int:
     try:
         bag = read_bag(given.bag)
         found = list({one.name: one for text in given.fields for one in series(bag, text)}.values())
-        draw(found, picture, str(bag.path) + ("" if bag.whole else " (cut off)"))
+        draw(
+            found, picture, str(bag.path) + (" (not as recorded)" if bag.misfit else "" if bag.whole else " (cut off)")
+        )
         if given.csv:
             write_table(found, given.csv)
     except BagsError as error:

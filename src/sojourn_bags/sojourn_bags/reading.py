@@ -17,7 +17,8 @@ import numpy as np
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from numpy.typing import NDArray
 
-from sojourn_bags.definitions import RUN_RECORD, deserialized, learn, typestore
+from sojourn_bags.completeness import RECORD, miscounted
+from sojourn_bags.definitions import RECOVERY_RECORD, RUN_RECORD, THINNED_RECORD, deserialized, learn, typestore
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableMessageError
 from sojourn_bags.layout import MessageLayout, layout_of
 from sojourn_bags.parts import BagSalvage, parts_of
@@ -298,9 +299,10 @@ class Bag:
     """A bag in memory.
 
     Attributes:
-        path: its MCAP file, the first of its `parts`. whole: False if it was cut off. topics: messages by topic.
-        attachments: files inside, by name. records: metadata records, by name.
+        path: its MCAP file, the first of its `parts`. whole: False if it was cut off, `damage` says how.
+        topics: messages by topic. attachments: files inside, by name. records: metadata records, by name.
         unusable: messages that were written as they came, and are no messages of their topic; they are not in `topics`.
+        misfit: why this is not what was recorded, though nothing of it is damaged, in words: it is not whole then.
     """
 
     path: Path
@@ -310,6 +312,8 @@ class Bag:
     records: dict[str, dict[str, str]] = field(default_factory=dict)
     unusable: list[Unusable] = field(default_factory=list)
     parts: tuple[Path, ...] = ()
+    damage: str = ""
+    misfit: str = ""
 
     def __post_init__(self) -> None:
         self.parts = self.parts or (self.path,)
@@ -379,7 +383,11 @@ def read_bag(path: Path | str) -> Bag:
             bag.attachments[record.name] = record.data
         elif isinstance(record, Metadata):
             bag.records[record.name] = record.metadata
-    bag.whole = salvage.whole
+    bag.whole, bag.damage, bag.misfit = salvage.whole, salvage.damage, salvage.misfit
+    if bag.whole and RECOVERY_RECORD not in bag.records:
+        counts = {name: len(messages) for name, messages in bag.topics.items()}
+        bag.misfit = miscounted(bag.records.get(RECORD, {}), counts, THINNED_RECORD in bag.records)
+        bag.whole = not bag.misfit
     for messages in bag.topics.values():
         bag.set_aside(messages, messages.unreadable())
         if RUN_RECORD in bag.records:

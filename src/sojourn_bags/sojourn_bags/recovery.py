@@ -7,6 +7,7 @@ in the bag: by then the nodes had published so many messages of each topic. What
 
 import json
 import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from mcap.records import Channel, Message, Metadata
 
 from sojourn_bags.bag_copy import BagCopy
 from sojourn_bags.completeness import HEARTBEATS, RECORD, Completeness, Count, PublishedCounts
+from sojourn_bags.definitions import RECOVERY_RECORD
 from sojourn_bags.errors import BagExistsError, NothingToRecoverError, UnwritableBagError
 from sojourn_bags.metadata_file import METADATA_FILE
 from sojourn_bags.parts import BagSalvage, parts_of
@@ -22,9 +24,6 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.run_table import row_named
 from sojourn_contract.topics import topic
-
-RECOVERY_RECORD = "sojourn_recovery"
-"""Name of the metadata record that says that a bag has been mended, and from what."""
 
 
 @dataclass
@@ -148,7 +147,10 @@ def _hear(data: bytes, counts: PublishedCounts, found: Findings) -> None:
 def _write(found: Findings, file: Path) -> None:
     with BagCopy(file) as copy:
         for record in BagSalvage(found.parts).records:
-            copy.take(record)
+            if isinstance(record, Metadata) and record.name == RECORD and not found.all_messages:
+                copy.add_metadata(RECORD, _no_longer_complete(record.metadata, found.damage))
+            else:
+                copy.take(record)
         copy.add_metadata(RECOVERY_RECORD, _recovery_record(found))
         if RECORD not in found.names and found.published:
             copy.add_metadata(RECORD, _account(found).as_record() | {"complete": "false"})
@@ -164,6 +166,11 @@ def _recovery_record(found: Findings) -> dict[str, str]:
         "certainly_lost": json.dumps(found.lost),
         "last_heartbeat_ns": "" if found.heartbeat is None else str(found.heartbeat),
     }
+
+
+def _no_longer_complete(record: Mapping[str, str], damage: str) -> dict[str, str]:
+    """The recorder's account of a bag some of whose messages are not there any more, or not where they were."""
+    return {**record, "complete": "false", "gaps": record.get("gaps") or damage}
 
 
 def _account(found: Findings) -> Completeness:

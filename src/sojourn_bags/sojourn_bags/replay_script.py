@@ -13,6 +13,7 @@ from typing import Protocol
 from sojourn_bags.comparison import stamps_of, until
 from sojourn_bags.completeness import due_by
 from sojourn_bags.contract_version import check_contract, table_of_bag
+from sojourn_bags.cut_off import check_recorded
 from sojourn_bags.errors import ReplayError
 from sojourn_bags.onset import RESUMED
 from sojourn_bags.provenance import run_of
@@ -134,6 +135,7 @@ def script_of(bag: Bag, role: str) -> ReplayScript:
     if run.get(RESUMED):
         reason = "begins at a checkpoint, and a replay at the start of a run: replay the run that it went on from"
         raise ReplayError(f"{bag.path} {reason}")
+    check_recorded(bag)
     topics = dict(bag.topics)
     if not bag.whole:
         topics = until(topics, max((each.log_times[-1] for each in topics.values()), default=0))

@@ -1,6 +1,7 @@
 """The report of a bag as a picture or as a page: the work of scripts/report."""
 
 import argparse
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,9 @@ from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.report import write_report
 from sojourn_bags.summary import fault_lines, goal_lines, summarise, write_summary
 from sojourn_config.command_errors import UsageError
+
+ONLY_OWNER = 0o077
+"""Mask of what is written: a report tells what its bag tells, and is its owner's alone, as all files of a run are."""
 
 
 def place_of(bag: Path) -> Path:
@@ -50,6 +54,7 @@ def _page(bag: Bag, page: Path, judged: bool, console: Console) -> None:
 def run(given: argparse.Namespace) -> int:
     """Report of a bag; 0 if it could be written and the bag is whole."""
     console = Console(highlight=False, soft_wrap=True)
+    before = os.umask(ONLY_OWNER)
     try:
         bag = read_bag(given.bag)
         out: Path = given.out or place_of(given.bag)
@@ -64,4 +69,6 @@ def run(given: argparse.Namespace) -> int:
         raise UsageError(f"{error}{hint}") from error
     except OSError as error:
         raise UsageError(f"{error.filename}: {error.strerror}") from error
+    finally:
+        os.umask(before)
     return unless_cut_off(0, [bag])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.afloat import base_motion
-from sojourn_bags.completeness import FOREIGN, RECORD, published_by
+from sojourn_bags.completeness import FOREIGN, RECORD, published_by, why_incomplete
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.detection import judge_faults, sentence
@@ -66,8 +66,8 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     rolled_over = max_tilt_deg is not None and max_tilt_deg >= run.machine.roll_over_tilt_deg
     charge = charges(bag)
     faults = judge_faults(bag, run.scenario.faults)
-    complete = bag.whole and bag.records.get(RECORD, {}).get("complete") == "true"
-    complete = complete and published_by(bag.records[RECORD]) is not None
+    incomplete = bag.misfit or ("" if bag.whole else bag.damage or "it is cut off or damaged")
+    incomplete = incomplete or why_incomplete(bag.records.get(RECORD))
     distance = distance_driven(bag) if upright else None
     base = base_motion(bag, machine) if floats and machine is not None else None
     all_met = all(result.met for result in results) and not not_sent and not rolled_over
@@ -76,7 +76,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         "seed": run.scenario.seed,
         "verdict": "",
         "all_met": all_met,
-        "complete": complete,
+        "complete": not incomplete,
         "sim_time_s": end_s,
         "wall_time_s": wall_time_s,
         "real_time_factor": end_s / wall_time_s if wall_time_s else None,
@@ -101,7 +101,8 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     warning = (
         f"Others than their publishers have spoken on {foreign}: what is judged by it may be false." if foreign else ""
     )
-    verdict = [_verdict(summary, results, who), "" if base is None else base.words(), sentence(faults), warning]
+    verdict = [_verdict(summary, results, who), f"The record is not complete: {incomplete}." if incomplete else ""]
+    verdict += ["" if base is None else base.words(), sentence(faults), warning]
     summary["verdict"] = " ".join(filter(None, verdict))
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
@@ -195,8 +196,6 @@ def _verdict(summary: dict[str, Any], results: list[GoalResult], who: str) -> st
         parts.append(f"{summary['steps_not_sent']} steps of the scenario were never sent.")
     if summary["all_met"]:
         parts.append(_success(summary, len(results), who))
-    if not summary["complete"]:
-        parts.append("The record is not complete.")
     return " ".join(parts)
 
 

@@ -11,14 +11,13 @@ from mcap.records import Channel, Message
 
 from sojourn_bags.bag_copy import BagCopy
 from sojourn_bags.contract_version import table_of_bag
+from sojourn_bags.definitions import THINNED_RECORD
 from sojourn_bags.errors import BagExistsError
 from sojourn_bags.parts import BagSalvage
 from sojourn_bags.provenance import run_of
 from sojourn_bags.reading import Bag
 from sojourn_contract.topic_table import CLOCK
 
-THINNED_RECORD = "sojourn_thinned"
-"""Name of the metadata record that says to whose topics a bag is thinned."""
 _CHUNK = 1 << 24
 """Bytes: all in one chunk, which is packed best."""
 

@@ -1,7 +1,7 @@
 """Writes one bag: a folder with an MCAP file (profile ros2, zstd chunks) and rosbag2's metadata.yaml.
 
 A file that has grown to a given size is finished, and the bag goes on in the next one, which has schemas and channels
-of its own; attachments are in the first, records of the whole run in the last.
+of its own, and says which file it goes on from; attachments are in the first, records of the whole run in the last.
 
 The file can be read however the writer ends: each second of wall time (in real time three times) the chunk in progress
 is finished and handed to the operating system, and metadata.yaml is there from the start. Killed, the bag lacks what
@@ -23,6 +23,7 @@ from mcap.writer import CompressionType
 from sojourn_bags.definitions import ChannelSpec, definition, type_hash
 from sojourn_bags.errors import BagExistsError, UnreadableBagError, UnwritableBagError
 from sojourn_bags.metadata_file import METADATA_FILE, PartEntry, TopicEntry, bag_information, write_metadata_file
+from sojourn_bags.part_ties import OURS, PART_RECORD, follows, goes_on
 from sojourn_bags.parts import counts_in
 from sojourn_bags.quick_writer import QuickWriter
 
@@ -177,7 +178,7 @@ class BagWriter:
             self._stream = self._open(self.folder / self._part.file)
             self._parts.append(self._part)
             self._writer = QuickWriter(self._stream, compression=CompressionType.ZSTD)
-            self._writer.start(profile="ros2", library="sojourn_bags")
+            self._writer.start(profile="ros2", library=OURS)
         except FileExistsError as error:
             raise UnwritableBagError(self.folder, "a file stands where its folder should be") from error
         except OSError as error:
@@ -202,9 +203,12 @@ class BagWriter:
         self._unseen = 0
         if self._stream.tell() < self.largest_part:
             return
+        before = self.path
         self._writer.flush()
+        self._writer.add_metadata(PART_RECORD, goes_on(len(self._parts) - 1))
         self._end_part()
         self._begin_part()
+        self._writer.add_metadata(PART_RECORD, follows(len(self._parts) - 1, before))
         self._writer.flush()
         write_metadata_file(self.folder, self._metadata())
 

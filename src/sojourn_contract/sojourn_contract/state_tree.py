@@ -11,7 +11,9 @@ import enum
 import importlib
 import io
 import json
+import math
 import zipfile
+import zlib
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.metadata import distributions
@@ -30,6 +32,27 @@ KINDS = "sojourn."
 PLAIN = (bool, int, float, str)
 LARGEST = 1 << 30
 """Bytes that a part of what is kept may have."""
+
+
+_BROKEN = (
+    zipfile.BadZipFile,
+    zlib.error,
+    LookupError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    RuntimeError,
+    EOFError,
+)
+"""What reading bytes raises that are damaged or altered: RuntimeError of a part that is said to be packed by
+what nobody knows, or locked, and of a tree that is too deep; AttributeError of a tree that has a number where it should
+branch.
+"""
+_ARRAY_HEADERS = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
 
 
 class CheckpointError(ContractError):
@@ -64,7 +87,7 @@ def read_tree(file: Path | IO[bytes], place: str, read: Callable[[Any, "TreeRead
                 if part.file_size > LARGEST:
                     raise CheckpointError(place, f"{part.filename} has {part.file_size} bytes: allowed is {LARGEST}")
             return read(json.loads(archive.read(TREE)), TreeReader(archive))
-    except (zipfile.BadZipFile, KeyError, ValueError, TypeError, RecursionError, EOFError) as error:
+    except _BROKEN as error:
         raise CheckpointError(place, f"no checkpoint ({error})") from error
 
 
@@ -170,7 +193,10 @@ class TreeReader:
         return made
 
     def _array(self, tree: Any, place: str) -> Any:
-        return np.load(io.BytesIO(self._archive.read(tree["array"])), allow_pickle=False)
+        stream = io.BytesIO(self._archive.read(tree["array"]))
+        _check_array(stream, f"{place} ({tree['array']})")
+        stream.seek(0)
+        return np.load(stream, allow_pickle=False)
 
     def _member(self, tree: Any, place: str) -> Any:
         return _class(tree["of"], place)[tree["member"]]
@@ -188,6 +214,21 @@ class TreeReader:
         "bytes": lambda self, tree, place: base64.b64decode(tree["bytes"]),
         "map": _map,
     }
+
+
+def _check_array(stream: io.BytesIO, place: str) -> None:
+    """Raise CheckpointError where the bytes of an array are not as many as its header says: memory for them would be
+    taken before anybody had looked.
+    """
+    version = np.lib.format.read_magic(stream)
+    if version not in _ARRAY_HEADERS:
+        raise CheckpointError(
+            place, f"an array in format {version}: allowed is {' or '.join(map(str, _ARRAY_HEADERS))}"
+        )
+    shape, _, dtype = _ARRAY_HEADERS[version](stream)
+    size = stream.getbuffer().nbytes - stream.tell()
+    if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != size or dtype.hasobject:
+        raise CheckpointError(place, f"{size} bytes: an array of {dtype} {shape} was said to be there")
 
 
 @cache

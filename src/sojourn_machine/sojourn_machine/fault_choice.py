@@ -104,7 +104,8 @@ class FaultChoice(Params):
     @property
     def called(self) -> str:
         """Its name."""
-        return self.name or f"{self.kind} {getattr(self, self.target)}".strip() if self.target else self.kind
+        of = getattr(self, self.target) if self.target else ""
+        return self.name or f"{self.kind} {of}".strip()
 
     def time(self, seed: int) -> float | None:
         """Simulated time at which it comes [s]; None where an event brings it that nobody can foresee."""

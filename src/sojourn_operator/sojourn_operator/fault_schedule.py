@@ -71,10 +71,16 @@ class FaultSchedule:
         for fault in self.faults:
             name = fault.called
             if name not in state.begun:
+                if name in state.over:
+                    continue
                 state, due = self._due(state, fault, seen)
                 if due is None or due > seen.now + LEAD_NS + NEXT_LOOK_NS:
                     continue
                 stamp = max(due, seen.now + LEAD_NS)
+                if fault.until is not None and period_stamp(fault.until) <= stamp:
+                    # its event has come too late: it is over, and has never begun
+                    state = replace(state, over={**state.over, name: stamp})
+                    continue
                 said.append(fault_message(stamp, FaultEvent(name, fault, comes=True)))
                 state = replace(state, begun={**state.begun, name: stamp})
             elif name not in state.over:

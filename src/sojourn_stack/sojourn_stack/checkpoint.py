@@ -11,11 +11,14 @@ from typing import Any
 
 from sojourn_contract.leaps import Leaps
 from sojourn_contract.role_state import RoleState
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.state_tree import CheckpointError, TreeReader, TreeWriter, read_tree
 from sojourn_stack.stack import StackState
 
 FORMAT = 5
 """Of the file; another one is refused."""
+LAST_PERIOD = ((1 << 31) - 1) * NANOSECONDS // CONTROL_PERIOD_NS
+"""A later one has no stamp: that of a message has 31 bits for its seconds."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,6 +76,13 @@ def _read(tree: Any, reader: TreeReader, file: Path) -> tuple[StackState, Origin
     found = tree.get("format") if isinstance(tree, dict) else None
     if found != FORMAT:
         raise CheckpointError(str(file), f"format {found!r}: allowed is {FORMAT}")
+    period = tree["period"]
+    if type(period) is not int or not 1 <= period <= LAST_PERIOD:
+        raise CheckpointError("period", f"{str(period)[:40]}: allowed is 1 to {LAST_PERIOD}")
+    if not isinstance(tree["roles"], dict):
+        raise CheckpointError(
+            "roles", f"a {type(tree['roles']).__name__}: allowed is a state of each role, by its name"
+        )
     roles = {role: reader.value(one, role) for role, one in tree["roles"].items()}
     for role, one in roles.items():
         if not isinstance(one, RoleState):
@@ -81,7 +91,9 @@ def _read(tree: Any, reader: TreeReader, file: Path) -> tuple[StackState, Origin
     ahead, leaps = (reader.value(tree[part], part) for part in ("ahead", "leaps"))
     if not isinstance(leaps, Leaps):
         raise CheckpointError("leaps", f"a {type(leaps).__name__}: allowed is the leaps of the clock")
-    state = StackState(int(tree["period"]), roles, messages, bool(tree["finished"]), ahead, leaps)
+    if not isinstance(messages, dict) or not isinstance(ahead, tuple):
+        raise CheckpointError("messages", "allowed is the last messages of each topic, and those that are to come")
+    state = StackState(period, roles, messages, bool(tree["finished"]), ahead, leaps)
     origin = reader.value(tree["origin"], "origin")
     if origin is not None and not isinstance(origin, Origin):
         raise CheckpointError("origin", f"a {type(origin).__name__}: allowed is of which run it is")

@@ -69,7 +69,7 @@ def _common(story: Story) -> list[Tile]:
     return [
         Tile("duration", f"{story.axis.end - story.axis.begin:.1f} s"),
         Tile("messages", str(count), f"on {len(bag.topics)} topics"),
-        Tile("file", "whole" if bag.whole else "cut off or damaged"),
+        Tile("file", "not as recorded" if bag.misfit else "whole" if bag.whole else "cut off or damaged"),
     ]
 
 

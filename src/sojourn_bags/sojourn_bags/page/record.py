@@ -8,13 +8,12 @@ import numpy as np
 
 from sojourn_bags.completeness import RECORD
 from sojourn_bags.contract_version import table_of_bag
-from sojourn_bags.definitions import RUN_RECORD
+from sojourn_bags.definitions import RECOVERY_RECORD, RUN_RECORD
 from sojourn_bags.description import CONFIGURATION_NAME
 from sojourn_bags.page.chart import Span, strips
 from sojourn_bags.page.html import PageSection, figure, paragraph, table
 from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import VERSIONS_NAME
-from sojourn_bags.recovery import RECOVERY_RECORD
 from sojourn_bags.summary import length_in_words, messages
 from sojourn_contract.codecs import decode
 from sojourn_contract.conformance.findings import number_text
@@ -164,7 +163,9 @@ def completeness(story: Story) -> PageSection:
     """Messages published and recorded, by topic."""
     bag = story.bag
     parts = []
-    if not bag.whole:
+    if bag.misfit:
+        parts.append(paragraph(f"This is not what was recorded: {bag.misfit}."))
+    elif not bag.whole:
         parts.append(paragraph("The file is cut off or damaged: what is drawn is what could be read. scripts/recover "
                                "mends it and says what is lost."))  # fmt: skip
     recovery = bag.records.get(RECOVERY_RECORD)
