@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.description import contract_data, row_of_data
@@ -125,6 +126,31 @@ def test_a_row_that_no_sensor_can_have_is_refused(change: dict[str, Any], allowe
     Brought.speaks_on = (replace(row, **change),)
     with pytest.raises(SensorRowError, match=allowed):
         list(rows_of(Brought))
+
+
+LIDAR = "link: hazcam_link, columns: 9, rows: 4, horizontal_view_deg: 9, vertical_view_deg: 5, nearest: 0.1, range: 9"
+CAMERA = "kind: camera, link: hazcam_link, lens: {columns: 32, rows: 24, horizontal_view_deg: 60}"
+SWITCH = "kind: bump_switch, link: hazcam_link, width: 0.6, height: 0.1, travel: 0.05"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            [f"sensors.hazcam={{kind: lidar, {LIDAR}, noise: 0.01}}"],
+            r"hazcam: would speak on /hazcam/points, .*every run",
+        ),
+        (
+            [f"sensors.bump={{{CAMERA}}}", f"sensors.image={{{SWITCH}}}"],
+            "image: would speak on /bump/image, a topic of the sensor bump",
+        ),
+    ],
+)
+def test_a_sensor_by_whose_name_a_topic_would_be_there_twice_is_refused(changes: list[str], words: str) -> None:
+    """With its file, as other mistakes of the configuration."""
+    loaded = load_scenario("flat_drive", changes)
+    with pytest.raises(ConfigError, match=rf"sensors\.yaml.*{words}"):
+        table_of(loaded)
 
 
 def test_the_digest_tells_tables_apart() -> None:

@@ -13,9 +13,11 @@ from sojourn_contract.ground import GROUND, ground_cloud
 from sojourn_contract.hazcam import own_body_of
 from sojourn_contract.run_table import row_named, table_of
 from sojourn_contract.values import JointState, Odometry
+from sojourn_machine.sensor_faults import SensorFaultParams
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
 from sojourn_sensors.app import SensorsApp
+from sojourn_sensors.fault_hooks import FaultNow
 from sojourn_sensors.kinds.camera import CameraPair
 from sojourn_sensors.kinds.hazcam import HazcamSensor
 from sojourn_sensors.sensor import Truth
@@ -148,6 +150,61 @@ def test_a_hazard_camera_that_does_not_see_the_machine_leaves_nothing_out() -> N
     assert own_body_of(load_scenario("flat_drive")) is None
 
 
+DUST = "sensors.navcam.faults={lens: {dust: 0.3}}"
+
+
+def test_dust_on_the_lenses_hides_the_same_pixels_of_every_image() -> None:
+    """About its share of them, on each lens others; nothing else changes but where a patch fades out."""
+    camera, truth = pair()
+    fault = FaultNow(SensorFaultParams(dust=0.3), 0.0, 77, 1)
+    reading = read(camera, truth)
+    left, right, depth = camera.faulted(reading, fault)
+    cover = camera.cover(fault)
+    assert (cover > 0.5).mean() == pytest.approx(0.3, abs=0.12) and (cover < 0.001).mean() > 0.1
+    later = replace(fault, time=9.0, number=450)
+    again = camera.faulted(reading, later)
+    assert all(np.array_equal(one, two) for one, two in zip(again, (left, right, depth), strict=True))
+    other = camera.faulted(reading, replace(fault, stream=78))
+    assert not np.array_equal(other[0], left)
+    assert np.array_equal(left[cover == 0.0], reading[0][cover == 0.0])
+    behind = left[cover > 0.999]
+    assert np.abs(behind - 0.5 * reading[0].mean()).max() <= 1.0
+    changed = [now != before for now, before in zip((left, right), reading, strict=False)]
+    assert not np.array_equal(*changed)
+
+
+def test_a_pair_finds_no_depth_behind_dust_on_either_lens() -> None:
+    camera, truth = pair()
+    fault = FaultNow(SensorFaultParams(dust=0.3), 0.0, 77, 1)
+    *_, before = reading = read(camera, truth)
+    *_, depth = camera.faulted(reading, fault)
+    hidden = camera.cover(fault) > 0.5
+    assert (before[hidden] > 0).any() and (depth[hidden] == 0).all()
+    assert ((depth == before) | (depth == 0)).all()
+    lost = ((before > 0) & (depth == 0) & ~hidden).sum() / ((before > 0) & ~hidden).sum()
+    assert 0.1 < lost < 0.5
+    *_, nothing = camera.faulted(reading, replace(fault, params=SensorFaultParams(dust=1.0)))
+    assert (nothing == 0).all()
+
+
+def test_a_run_has_dust_on_the_lenses_of_its_cameras() -> None:
+    camera, truth = pair(DUST)
+    app = SensorsApp(camera.site.scenario)
+    inputs = {**truth.inputs, "/truth/odom": truth.odometry, "/truth/joint_states": truth.joints}
+    state, _ = app.step(app.initial_state(), Period(10**9, inputs))
+    place = [sensor.name for sensor in app.sensors].index("navcam")
+    sound, dusty = read(camera, truth), state.readings[place]
+    assert 0 < (dusty[2] > 0).sum() < 0.8 * (sound[2] > 0).sum()
+
+
+def test_depth_ends_where_the_right_image_does() -> None:
+    camera, truth = pair("sensors.navcam.stereo.disparity_noise_px=0.0")
+    *_, depth = read(camera, truth)
+    rows, columns = np.nonzero(depth)
+    disparity = 1000.0 * camera.params.lens.focal_length * camera.params.stereo.baseline / depth[rows, columns]
+    assert len(rows) > 1000 and (columns - disparity).min() > -0.05
+
+
 REAR = "sensors.rear={kind: camera, link: hazcam_link, lens: {columns: 48, rows: 32, horizontal_view_deg: 90.0}}"
 BAD: list[tuple[str, Any]] = [
     (REAR.replace("hazcam_link", "tail_link"), "tail_link"),
@@ -156,6 +213,12 @@ BAD: list[tuple[str, Any]] = [
     ("sensors.navcam.timing.rate=50.0", "MB of images a second"),
     ("sensors.navcam.timing.rate=7.0", "a divisor of the control rate"),
     ("sensors.navcam.stereo.range=0.4", "less than range"),
+    ("sensors.navcam.lens.distortion=[-9.0, 0.0, 0.0, 0.0, 0.0]", r"navcam\.lens.*gives each pixel one direction"),
+    (
+        REAR.replace("90.0", "350.0, model: equidistant"),
+        r"rear\.lens.*horizontal_view_deg = 350: allowed is at most 30",
+    ),
+    ("sensors.navcam.faults={a: {bias: 3.0}}", r"navcam\.faults\.a\.of.*allowed are dust, stuck"),
 ]
 
 

@@ -11,7 +11,7 @@ from sojourn_machine.drives import JointDriveParams
 from sojourn_machine.names import names_text
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.sensor_choice import SENSORS
-from sojourn_physics.sensors.params import SensorSuiteParams
+from sojourn_physics.sensors.params import JOINTS, SensorSuiteParams
 
 WITHOUT = {
     "node": "is no node of the machine's heat, which thermal.yaml describes",
@@ -39,6 +39,16 @@ def sensor_problems(sets: MachineSets) -> Iterator[Problem]:
     yield from _rate_problems(sensors, document)
     yield from _pair_problems(sets)
     yield from _demand_problems(sets)
+    yield from _fault_problems(sensors, document)
+
+
+def _fault_problems(sensors: SensorSuiteParams, document: YamlDocument) -> Iterator[Problem]:
+    """A fault is of a quantity that its sensor measures."""
+    for name, params in sensors.sensors.items():
+        at: KeyPath = ("joint_faults",) if name == JOINTS else (name, "faults")
+        for called, fault in params.faults.items():
+            for key, value, allowed in params.fault_problems(fault):
+                yield document.problem((*at, called, key), value, allowed)
 
 
 def _rate_problems(sensors: SensorSuiteParams, document: YamlDocument) -> Iterator[Problem]:
@@ -107,13 +117,15 @@ def _parts(sets: MachineSets) -> Mapping[str, Sequence[str]]:
 def _part_problems(
     sensors: SensorSuiteParams, parts: Mapping[str, Sequence[str]], document: YamlDocument
 ) -> Iterator[Problem]:
-    """A sensor is on a part that there is."""
+    """A sensor is on a part that there is, and once on each."""
     for name, params in sensors.named.items():
         for key, kind, parts_of_it in params.parts:
             for place, part in enumerate(parts_of_it):
+                path: KeyPath = (name, key) if len(parts_of_it) == 1 else (name, key, place)
                 if part not in parts[kind]:
-                    path: KeyPath = (name, key) if len(parts_of_it) == 1 else (name, key, place)
                     yield document.problem(path, part, f"{WITHOUT[kind]}: " + names_text(part, parts[kind]))
+                elif part in parts_of_it[:place]:
+                    yield document.problem(path, part, "is there above already: allowed is each name once")
 
 
 def _supply_problems(sensors: SensorSuiteParams, power: PowerParams, document: YamlDocument) -> Iterator[Problem]:

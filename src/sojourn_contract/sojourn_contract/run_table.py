@@ -8,6 +8,8 @@ from dataclasses import replace
 from functools import cache
 from math import gcd
 
+from sojourn_config.bundle import Bundle
+from sojourn_config.errors import MISSING, ConfigError, Problem
 from sojourn_config.flight import FlightScenario
 from sojourn_config.known_machine import KnownMachine
 from sojourn_config.scenario import LoadedScenario
@@ -41,9 +43,12 @@ RECORDED_BESIDES = ("/tf",)
 def table_of(scenario: KnownMachine) -> TopicTable:
     """The topics of a run of a scenario, whoever takes part.
 
-    Raises TopicNameError, SensorRowError, LeapError, DisturbanceError, LinkError.
+    Raises TopicNameError, SensorRowError, LeapError, DisturbanceError, LinkError; ConfigError for a sensor by whose
+    name a topic would be there twice.
     """
     sensors = scenario.sensors.sensors.items()
+    if isinstance(scenario, Bundle):
+        _check_names(scenario)
     rows = {row.name: row for name, params in sensors for row in (*rows_of(params, name), *params.heard_rows)}
     brought = heard_by_drive(scenario, [row for name, row in rows.items() if name not in STANDARD])
     table = STANDARD.joined_with(brought).for_things(things_of(scenario)).heard_by(TICK, scenario.fault_roles)
@@ -55,6 +60,23 @@ def table_of(scenario: KnownMachine) -> TopicTable:
         return table
     table, leaps = table if scenario.link is None else linked(table, scenario.link), scenario.leaps
     return table if leaps is None else TopicTable(table, _longest_leap(leaps.longest_s, table))
+
+
+def _check_names(scenario: Bundle) -> None:
+    """Raise ConfigError where the topics that a sensor has alone, under its own name, are those of others."""
+    taken: dict[str, str] = {}
+    problems: list[Problem] = []
+    for name, params in scenario.sensors.named.items():
+        for row in params.own_rows:
+            topic = row.name.replace(OWN, name) if OWN in row.name else f"{row.name}/{name}" if row.all_named else ""
+            whose = "every run" if OWN in row.name and topic in STANDARD else taken.get(topic)
+            if topic and whose is not None:
+                allowed = f"would speak on {topic}, a topic of {whose}: allowed is another name"
+                problems.append(scenario.documents["sensors"].problem((name,), MISSING, allowed))
+                break
+            taken[topic] = f"the sensor {name}"
+    if problems:
+        raise ConfigError(problems)
 
 
 def _longest_leap(longest_s: float, table: TopicTable) -> int:

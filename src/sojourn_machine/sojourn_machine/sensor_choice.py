@@ -53,6 +53,12 @@ class SensorParams(Params):
     """Rows of the plant's truth that only runs with such a sensor have."""
     left_out: ClassVar[tuple[str, ...]] = ()
     """Further keys that a table does not have where there is nothing under them."""
+    quantities: ClassVar[tuple[str, ...] | None] = None
+    """Of its readings, those whose numbers may be wrong by a fault: "" for one that has no name, nothing where there
+    are no numbers; None where its sensor alone knows.
+    """
+    has_lens: ClassVar[bool] = False
+    """Whether dust may lie on it, of a kind that says its quantities."""
     alone: ClassVar[bool] = False
     """Whether a machine has one of the kind at most."""
 
@@ -102,6 +108,20 @@ class SensorParams(Params):
     def parts(self) -> tuple[MachinePart, ...]:
         """Parts of the machine that it is on."""
         return ()
+
+    def fault_problems(self, fault: SensorFaultParams) -> Iterable[tuple[str, str, str]]:
+        """What a fault has that it cannot have, as far as its kind says that: key, value, what is allowed."""
+        if self.quantities is None or not fault.is_numerical:
+            return
+        if fault.dust > 0.0:
+            if not self.has_lens:
+                yield "dust", f"{fault.dust:g}", "no dust: it has no lens"
+        elif not self.quantities:
+            lens = "dust, " if self.has_lens else ""
+            yield "of", fault.of, f"none that changes numbers: it has none; allowed are {lens}stuck, dead, dropout"
+        elif fault.of not in self.quantities:
+            one = "no quantity: there is one alone" if "" in self.quantities else ""
+            yield "of", fault.of, one or f"a fault of one of {', '.join(self.quantities)}"
 
     @property
     def needs_air(self) -> bool:

@@ -38,7 +38,9 @@ class SensorFault(FaultChoice, SensorFaultParams):
 
     def problems(self, machine: FaultableMachine) -> Iterable[FaultProblem]:
         """See FaultChoice."""
-        return unknown("sensor", self.sensor, machine.sensors, "is no sensor of the machine")
+        yield from unknown("sensor", self.sensor, machine.sensors, "is no sensor of the machine")
+        if self.sensor in machine.sensors:
+            yield from machine.sensors[self.sensor].fault_problems(self)
 
     @model_validator(mode="after")
     def _loses_from_a_time_on(self) -> Self:

@@ -4,7 +4,8 @@ A fault works on what the sensor would say (x), from `after` on, t seconds later
 
     x' = scale x + bias + drift t + spike    a spike of +-`spike_size` with `spike_probability`, each number for itself
 
-so a swapped sign is a scale of -1. `stuck` repeats the last reading of before; of a sensor that is `dead` nothing is
+so a swapped sign is a scale of -1. What is no number (NaN, the infinity of a beam that does not come back) stays that.
+`stuck` repeats the last reading of before; of a sensor that is `dead` nothing is
 heard any more, and of one with `dropout` not all. One with a `frozen_stamp` goes on, but its clock does not: its
 messages bear the stamp of the last one before, so that nobody who goes by stamps takes them for news. `dust` is for
 kinds that have a lens.
@@ -18,6 +19,8 @@ from sojourn_machine.params import Params
 
 PerNumber = float | tuple[float, ...]
 """One for all numbers of a reading, or one for each."""
+LARGEST = 1e9
+"""Of them, up or down, so that no reading becomes too large to be told."""
 
 
 class SensorFaultParams(Params):
@@ -57,6 +60,10 @@ class SensorFaultParams(Params):
             raise ValueError(f"nothing is wrong by it: allowed is at least one of {keys}")
         if (self.spike_probability > 0.0) != (self.spike_size > 0.0):
             raise ValueError("spikes: allowed are spike_probability and spike_size together")
+        for key in ("scale", "bias", "drift"):
+            value: PerNumber = getattr(self, key)
+            if not all(abs(each) <= LARGEST for each in (value if isinstance(value, tuple) else (value,))):
+                raise ValueError(f"{key} = {value}: allowed is {-LARGEST:g} to {LARGEST:g}")
         if self.dust > 0.0 and self._is_shifted:
             raise ValueError("dust: allowed is a fault of its own, without scale, bias, drift or spikes")
         if self.frozen_stamp and (self.dead or self.dropout):

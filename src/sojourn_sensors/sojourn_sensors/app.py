@@ -99,7 +99,9 @@ class SensorsApp(App[SensorsState]):
     def step(self, state: SensorsState, period: Period) -> tuple[SensorsState, Answer]:
         """Measure the truth of this period."""
         if period.goals:
-            state = replace(state, faulty=self._faults.after(state.faulty, period.goals, period.stamp))
+            said = {sensor.name: reading for sensor, reading in zip(self.sensors, state.readings, strict=False)}
+            said = {name: reading for name, reading in said.items() if name not in state.dead}
+            state = replace(state, faulty=self._faults.after(state.faulty, period.goals, period.stamp, said))
         loads = period.inputs.get(LOADS)
         if loads is not None:
             state = replace(state, dead=without_power(self.params.powered_by, state.dead, loads))
@@ -155,10 +157,14 @@ class SensorsApp(App[SensorsState]):
         return number % every == 0 if timing is None else timing.measures(number)
 
     def _fault(self, state: SensorsState, readings: list[Any], stamp: int) -> Mapping[str, FaultyState]:
-        """Put faults on the readings that are of this stamp [ns]; the state of the faults after it."""
+        """Put faults on the readings that are of this stamp [ns]; the state of the faults after it. What a sensor says
+        without power is said whatever is wrong with it.
+        """
         faulty, number = dict(state.faulty), stamp // stamps.CONTROL_PERIOD_NS
         for place, sensor in enumerate(self.sensors):
-            if sensor.name in faulty and sensor.name not in state.off and self._measures(place, number):
+            if sensor.name not in faulty or sensor.name in state.off or sensor.name in state.dead:
+                continue
+            if self._measures(place, number):
                 hook = self._faults.hooks[sensor.name]
                 faulty[sensor.name], readings[place] = hook.step(faulty[sensor.name], readings[place], stamp)
         return faulty

@@ -41,17 +41,19 @@ class FaultNow:
     number: int
 
     def on(self, values: Any) -> Any:
-        """Numbers of a reading with the fault on them, of the same kind and shape. Raises ValueError for a fault of
-        another shape.
+        """Numbers of a reading with the fault on them, of the same kind and shape; what is no number, as the infinity
+        of a beam that does not come back, stays as it is. Raises ValueError for a fault of another shape.
         """
         told, params = np.asarray(values), self.params
         parts = [np.asarray(part) for part in (params.scale, params.bias, params.drift)]
         if any(part.shape not in ((), told.shape) for part in parts):
             raise ValueError(f"one number, or as many as there are, {told.shape}")
         scale, bias, drift = parts
-        wrong = scale * told + bias + drift * self.time
+        finite = np.isfinite(told)
+        wrong = scale * np.where(finite, told, 0.0) + bias + drift * self.time
         if params.spike_probability > 0.0:
             wrong = wrong + self._spikes(told.size).reshape(told.shape)
+        wrong = np.where(finite, wrong, told)
         return float(wrong) if isinstance(values, float) else wrong.astype(told.dtype)
 
     def hidden(self, directions: FloatArray) -> NDArray[np.bool_]:
@@ -77,7 +79,9 @@ class FaultNow:
 
 @dataclass(frozen=True, slots=True)
 class FaultyState:
-    """What is wrong with a sensor, by the names of the faults, and what it said last while it was not stuck."""
+    """What is wrong with a sensor, by the names of the faults, and what it said last while it had power and was not
+    stuck.
+    """
 
     faults: tuple[tuple[str, SensorFaultParams], ...]
     last: Any = None
@@ -104,14 +108,18 @@ class FaultHook:
                 raise single("sensors", f"{self._sensor.name}.faults.{name}", fault.of, str(error)) from error
 
     def step(self, state: FaultyState, reading: Any, stamp: int) -> tuple[FaultyState, Any]:
-        """What the sensor says at a stamp [ns] where it would say `reading`; None is said as it is."""
+        """What the sensor, which has power, says at a stamp [ns] where it would say `reading`; None is said as it
+        is.
+        """
+        if reading is None:
+            return state, None
         present = [(name, fault) for name, fault in state.faults if stamp >= round(fault.after * NANOSECONDS)]
         if any(fault.stuck for _, fault in present) and state.last is not None:
             reading = state.last
         else:
             state = FaultyState(state.faults, reading)
         for name, fault in present:
-            if fault.is_numerical and reading is not None:
+            if fault.is_numerical:
                 time = stamp / NANOSECONDS - fault.after
                 now = FaultNow(fault, time, self._stream(name), stamp // CONTROL_PERIOD_NS)
                 reading = self._sensor.faulted(reading, now)

@@ -57,8 +57,12 @@ class SensorFaults:
         except ConfigError as error:
             raise RefusedMessageError(TOPIC, fault.sensor, event.name, str(error)) from None
 
-    def after(self, faulty: Faulty, goals: Sequence[tuple[str, Any]], stamp: int) -> Faulty:
-        """Those from a stamp on [ns]. What loses messages is not theirs: it is in the run's table of topics."""
+    def after(self, faulty: Faulty, goals: Sequence[tuple[str, Any]], stamp: int, said: Mapping[str, Any]) -> Faulty:
+        """Those from a stamp on [ns]. What loses messages is not theirs: it is in the run's table of topics.
+
+        Args:
+            said: last reading of each sensor that has power, by its name: what one repeats that gets stuck now.
+        """
         for topic, message in goals:
             if topic != TOPIC:
                 continue
@@ -66,7 +70,7 @@ class SensorFaults:
             fault = event.fault
             if not isinstance(fault, SensorFault) or not changes_readings(fault):
                 continue
-            before = faulty.get(fault.sensor, FaultyState(()))
+            before = faulty.get(fault.sensor, FaultyState((), said.get(fault.sensor)))
             kept = tuple(one for one in before.faults if one[0] != event.name)
             now = ((event.name, fault.as_params(stamps.seconds(stamp))),) if event.comes else ()
             left = {name: state for name, state in faulty.items() if name != fault.sensor}

@@ -80,6 +80,32 @@ def test_a_lens_that_cannot_be_is_refused(changes: dict[str, object], words: str
         lens(**changes)
 
 
-def test_a_distortion_that_folds_the_image_is_refused() -> None:
-    with pytest.raises(InvalidValueError, match="gives each pixel one direction"):
-        pixel_directions(lens(horizontal_view_deg=120.0, distortion=(-0.5, 0.0, 0.0, 0.0, 0.0)))
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"horizontal_view_deg": 120.0, "distortion": (-0.5, 0.0, 0.0, 0.0, 0.0)},
+        {"horizontal_view_deg": 120.0, "distortion": (0.0, 0.0, 0.5, 0.0, 0.0)},
+        {"distortion": (1e200, 0.0, 0.0, 0.0, -1e200)},
+        {"horizontal_view_deg": 160.0, "model": "equidistant", "distortion": (-1.0, 0.0, 0.0, 0.0)},
+    ],
+)
+def test_a_distortion_that_folds_the_image_is_refused(changes: dict[str, object]) -> None:
+    """When it is read, not when the first image is made."""
+    with pytest.raises(ValidationError, match="gives each pixel one direction"):
+        lens(**changes)
+    unchecked = lens().model_copy(update=changes)
+    with pytest.raises(InvalidValueError, match="gives each pixel one direction"), np.errstate(all="ignore"):
+        pixel_directions(unchecked)
+
+
+@given(st.integers(2, 600), st.integers(2, 600))
+def test_no_pixel_of_a_fisheye_sees_beyond_straight_behind(columns: int, rows: int) -> None:
+    """The largest view that is named is allowed, and just beyond it the corners would see what is before them."""
+    size = {"columns": columns, "rows": rows, "model": "equidistant"}
+    try:
+        widest = lens(**size, horizontal_view_deg=359.9).horizontal_view_deg
+    except ValidationError as error:
+        widest = float(str(error).split("allowed is at most ")[1].split(" ")[0])
+    allowed = lens(**size, horizontal_view_deg=widest)
+    corner = math.hypot(*allowed.principal_point) / allowed.focal_length
+    assert corner <= math.pi and (widest > 359.0 or corner > math.pi * (1.0 - 0.11 / widest))

@@ -172,8 +172,8 @@ def test_cameras_that_look_at_once_see_what_each_would_alone() -> None:
 def test_depth_of_the_pair_has_the_error_of_its_model() -> None:
     eye, turn = camera(320, 240), looking(0.0, 25.0)
     radiance, distance = Shooting(flat(40.0), sun(40.0, 100.0)).see(eye, turn, ABOVE)
-    image = expose(eye, radiance, exposure_for(eye, radiance), pixel_noise(0, "a", 0))
-    depth = stereo_depth(eye, PAIR, (distance, image), pixel_noise(0, "b", 0)) / 1000.0
+    time = exposure_for(eye, radiance)
+    depth = stereo_depth(eye, PAIR, (radiance, distance), time, pixel_noise(0, "b", 0)) / 1000.0
     true = distance * eye.rays[..., 2]
     scale = eye.lens.focal_length * PAIR.baseline
     for low, high in ((1.5, 2.0), (3.0, 4.0), (5.0, 6.0)):
@@ -188,10 +188,9 @@ def test_nothing_is_seen_or_matched_in_the_dark() -> None:
     eye, turn = camera(), looking(0.0, 25.0)
     radiance, distance = Shooting(flat(), sun(-10.0), light=Illumination(0.0, 0.0)).see(eye, turn, ABOVE)
     assert (radiance == 0.0).all()
-    image = expose(eye, radiance, exposure_for(eye, radiance), pixel_noise(0, "a", 0))
-    assert image.max() < 20
-    darkest = StereoParams(baseline=0.2, darkest=20)
-    assert (stereo_depth(eye, darkest, (distance, image), pixel_noise(0, "b", 0)) == 0).all()
+    time = exposure_for(eye, radiance)
+    assert expose(eye, radiance, time, pixel_noise(0, "a", 0)).max() < 20
+    assert (stereo_depth(eye, PAIR, (radiance, distance), time, pixel_noise(0, "b", 0)) == 0).all()
 
 
 def test_a_turned_camera_sees_the_same_ground() -> None:

@@ -2,20 +2,29 @@
 
 Exposure t gathers in a pixel, for light of radiance L (the whole spectrum) that comes in at the angle θ to the axis,
 
-    N = g L t cos^v θ + n,   n normal of variance N + N_r²        (photons, then what reads them out)
+    N = E + n,   E = g L t cos^v θ,   n normal of variance E + N_r²        (photons, then what reads them out)
 
 electrons, v = 4 for a plain lens (the cosine-fourth law), which a number of 8 bits stands for, 255 (N/N_full)^γ with γ
-= 1/2: the square root keeps the noise of photons the same in bright and dark. The exposure is set from the image
-itself, as automatic ones settle: so that the brightest part of it, a percentile, comes to a part of the full well,
-within the shortest and the longest: where it is dark the image stays dark.
+= 1/2: the square root keeps the noise of photons the same in bright and dark. What is beyond the full well is cut off
+last: a pixel with much too much light says 255, without noise. The exposure is set from the image itself, as automatic
+ones settle: so that the brightest part of it, a percentile, comes to a part of the full well, within the shortest and
+the longest: where it is dark the image stays dark.
 
-Stereo: the depth z is found from the disparity d = f b/z with an error of σ_d pixels, as in `sensors/hazcam`; not where
-the left image is dark or blown out, nearer than `nearest` or farther than `range`.
+Stereo: the depth z is found from the disparity d = f b/z with an error of σ_d pixels, as in `sensors/hazcam`; not
+nearer than `nearest`, farther than `range`, nor where
+
+- the light of the left pixel, without its noise, stands for less than `darkest` or for 255, or is less than DETECTED
+  times what the read-out adds: E < 5 N_r. What noise alone has made bright is the same place in no other image;
+- the place is beyond the edge of the right image: u - d < 0.
 
 Sources: Healey & Kondepudy (1994), IEEE Trans. Pattern Anal. Mach. Intell. 16(3):267 (noise of a camera); Maki et al.
 (2003), J. Geophys. Res. 108(E12):8071 (Navcam of the Mars Exploration Rovers: full well 170000 electrons, 25 of noise,
-12 bits sent as the 8 of their square root). Assumptions: no dark current, no smear, no stray light; the noise of a
-pair's depth is independent from pixel to pixel.
+12 bits sent as the 8 of their square root); Rose (1948), J. Opt. Soc. Am. 38(2):196 (what is told from noise stands
+above it by a factor of five). Assumptions: no dark current, no smear, no stray light; the noise of a pair's depth is
+independent from pixel to pixel; what the left camera sees well the right one does too. So a strip beside what is near,
+which that hides from the right camera, is matched all the same, where a real pair finds nothing or the depth of what is
+near. A place is beyond the edge if it is beyond the outermost direction of its row: through a lens that distorts, whose
+edge is bent, that is so by some pixels.
 """
 
 import math
@@ -34,6 +43,8 @@ from sojourn_physics.imaging.pixel_noise import PixelNoise, fill_normals, room_f
 
 FULL = 255
 """The largest number of an image."""
+DETECTED = 5.0
+"""Least light that is told from the noise of the read-out, in standard deviations of it [-]."""
 LINK_TO_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 """From the optical frame (z ahead, x right, y down) to that of a link (x ahead, y left, z up)."""
 
@@ -139,7 +150,7 @@ def _expose(
     for i in range(radiance.shape[0]):
         fill_normals(noise, i, words, normals)
         for j in range(radiance.shape[1]):
-            electrons = min(gain * radiance[i, j] * dimming[i, j], well)
+            electrons = gain * radiance[i, j] * dimming[i, j]
             electrons += normals[j] * np.float32(math.sqrt(electrons + dark))
             part = min(max(electrons / well, np.float32(0.0)), np.float32(1.0))
             part = math.sqrt(part) if gamma == np.float32(0.5) else part**gamma  # a power costs ten times a root
@@ -150,39 +161,58 @@ def _expose(
 def stereo_depth(
     eye: Optics,
     pair: StereoParams,
-    seen: tuple[NDArray[np.float32], NDArray[np.uint8]],
+    seen: tuple[NDArray[np.float32], NDArray[np.float32]],
+    time: float,
     noise: PixelNoise,
 ) -> NDArray[np.uint16]:
     """Depth along the optical axis that the pair finds, (rows, columns) [mm]; 0 where it finds none.
 
     Args:
-        seen: by the left camera: distance [m] and image, each (rows, columns).
+        seen: by the left camera, without noise: radiance [W/m2/sr] and distance [m], each (rows, columns).
+        time: of exposure [s].
     """
-    distance, image = seen
-    numbers = np.array(
-        [eye.lens.focal_length * pair.baseline, pair.nearest, pair.range, pair.disparity_noise_px, float(pair.darkest)]
-    )
-    depth: NDArray[np.uint16] = _stereo_depth(distance, eye.rays, image, noise, numbers)
+    radiance, distance = seen
+    gain = eye.detector.sensitivity * time
+    least, most = _matched_light(eye.detector, pair)
+    scale = eye.lens.focal_length * pair.baseline
+    light = [least / gain, most / gain]
+    numbers = np.array([scale, pair.nearest, pair.range, pair.disparity_noise_px, pair.baseline, *light])
+    depth: NDArray[np.uint16] = _stereo_depth(distance, radiance, eye.rays, eye.dimming, noise, numbers)
     return depth
 
 
-@njit(cache=True, nogil=True)
+def _matched_light(detector: DetectorParams, pair: StereoParams) -> tuple[float, float]:
+    """Least light that is matched, and what is too much, in electrons: those that stand for the numbers, rounded."""
+
+    def standing_for(number: float) -> float:
+        return detector.full_well * math.pow(max(number - 0.5, 0.0) / FULL, 1.0 / detector.gamma)
+
+    return max(standing_for(pair.darkest), DETECTED * detector.read_noise), standing_for(FULL)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _stereo_depth(
     distance: NDArray[np.float32],
+    radiance: NDArray[np.float32],
     rays: NDArray[np.float32],
-    image: NDArray[np.uint8],
+    dimming: NDArray[np.float32],
     noise: PixelNoise,
     pair: FloatArray,
 ) -> NDArray[np.uint16]:
     depth = np.zeros(distance.shape, dtype=np.uint16)
     words, normals = room_for(distance.shape[1])
-    scale, nearest, farthest, sigma, darkest = pair[0], pair[1], pair[2], pair[3], pair[4]
+    scale, nearest, farthest, sigma, baseline = pair[0], pair[1], pair[2], pair[3], pair[4]
+    least, most = np.float32(pair[5]), np.float32(pair[6])
     for i in range(distance.shape[0]):
         fill_normals(noise, i, words, normals)
+        edge = rays[i, 0, 0] / rays[i, 0, 2] if rays[i, 0, 2] > 0.0 else np.float32(-np.inf)
         for j in range(distance.shape[1]):
             true = distance[i, j] * rays[i, j, 2]
-            if nearest <= true <= farthest and darkest <= image[i, j] < FULL:
-                disparity = scale / true + sigma * normals[j]
-                if disparity * farthest >= scale:
-                    depth[i, j] = np.uint16(1000.0 * scale / disparity + 0.5)
+            if not (nearest <= true <= farthest and least <= radiance[i, j] * dimming[i, j] < most):
+                continue
+            if distance[i, j] * rays[i, j, 0] - baseline < edge * true:  # the right camera does not see it
+                continue
+            disparity = scale / true + sigma * normals[j]
+            if disparity * farthest >= scale:
+                depth[i, j] = np.uint16(1000.0 * scale / disparity + 0.5)
     return depth

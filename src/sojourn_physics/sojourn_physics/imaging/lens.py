@@ -26,6 +26,8 @@ COEFFICIENTS = {"plumb_bob": 5, "equidistant": 4}
 ITERATIONS = 30
 NEAR = 1e-9
 """A direction is found when it falls this near to its pixel, in units of the focal length [-]."""
+CHECKED = 33
+"""Places across an image at which a lens is checked when it is read [-]."""
 STEP = 1e-6
 """Of the finite differences [-]."""
 
@@ -55,7 +57,25 @@ class LensParams(Params):
                 f"horizontal_view_deg = {self.horizontal_view_deg:g}: allowed is less than 170 with plumb_bob; "
                 "equidistant is for wider lenses"
             )
+        self._check_corners()
         return self
+
+    def _check_corners(self) -> None:
+        """Raise ValueError where a distortion folds the image, or where pixels would see beyond straight behind."""
+        if self.model == "plumb_bob" and not any(self.distortion):
+            return
+        (middle_u, middle_v), across = self.principal_point, np.linspace(-1.0, 1.0, CHECKED)
+        u, v = np.meshgrid(middle_u * across, middle_v * across)
+        with np.errstate(all="ignore"):  # what overflows is refused
+            found = _undistorted(self, np.stack([u.ravel(), v.ravel()], axis=1) / self.focal_length)
+        widest = float(np.hypot(found[:, 0], found[:, 1]).max())
+        if self.model == "equidistant" and widest > math.pi:
+            largest = math.floor(10.0 * self.horizontal_view_deg * math.pi / widest) / 10.0
+            about = "about " if any(self.distortion) else ""
+            raise ValueError(
+                f"horizontal_view_deg = {self.horizontal_view_deg:g}: allowed is at most {about}{largest:g} with "
+                f"{self.columns} x {self.rows} pixels, with which the corners of the image see straight behind"
+            )
 
     @property
     def coefficients(self) -> FloatArray:

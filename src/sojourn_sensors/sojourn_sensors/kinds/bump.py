@@ -31,6 +31,7 @@ class BumpSwitchSensorParams(BumpSwitchParams, SeeingParams):
 
     kind: str = "bump_switch"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ()
 
     def sensor(self, name: str, site: SensorSite) -> "BumpSwitch":
         """The switch of a machine."""

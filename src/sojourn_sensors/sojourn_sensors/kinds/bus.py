@@ -28,6 +28,7 @@ class BusSensorParams(BusTelemetryParams, SensorParams):
 
     kind: str = "bus"
     speaks_on: ClassVar[tuple[Any, ...]] = (topic("/bus/state"),)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
     alone: ClassVar[bool] = True
 
     def sensor(self, name: str, site: SensorSite) -> "BusSensor":

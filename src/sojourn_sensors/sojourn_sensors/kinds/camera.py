@@ -4,10 +4,15 @@ Frames: a camera sits on a link with x along the optical axis, z up in the image
 of that link (z ahead, x right, y down; REP 103), `LINK_optical`. The right camera of a pair is the baseline to the
 right of the left one; as ROS has it for a rectified pair both are in the frame of the left one and the right one's
 projection has the baseline. A camera without power says an image of no size.
+
+Dust on a lens stays where it is. It is far out of focus: behind a grain there is a soft patch, grey with light of the
+whole scene that it scatters, and darker than that. A pair finds no depth where a grain hides the place from one of its
+lenses.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,7 +22,9 @@ from pydantic import Field
 from sojourn_contract import stamps
 from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.values import CameraInfo, Image
+from sojourn_machine.chance import mixed
 from sojourn_machine.params import FloatArray
+from sojourn_machine.sensor_faults import SensorFaultParams
 from sojourn_physics.imaging.camera import (
     LINK_TO_OPTICAL,
     DetectorParams,
@@ -31,12 +38,17 @@ from sojourn_physics.imaging.camera import (
 from sojourn_physics.imaging.lens import LensParams
 from sojourn_physics.imaging.pixel_noise import pixel_noise
 from sojourn_physics.terrain.memory import GroundMemory
+from sojourn_sensors.fault_hooks import SPECK, FaultNow
 from sojourn_sensors.seeing import SeeingParams, SeeingSensor
 from sojourn_sensors.sensor import SensorSite, Truth
 
 SIZE = FieldRule("height width step", "px, byte", low=0.0, high=2.0**24)
 EVERY = 50
 """Control periods from image to image."""
+GREY = 0.5
+"""Of the mean number of an image, what is behind dust: an estimate [-]."""
+SOFT = 0.25
+"""Spread of the edge of a grain's patch, of the width of a grain: an estimate [-]."""
 
 
 def _image(name: str, meaning: str) -> Topic:
@@ -62,6 +74,8 @@ class CameraSensorParams(SeeingParams):
 
     kind: str = "camera"
     speaks_on: ClassVar[tuple[Any, ...]] = (IMAGE, INFO)
+    quantities: ClassVar[tuple[str, ...] | None] = ()
+    has_lens: ClassVar[bool] = True
     lens: LensParams = Field(description="image and lens")
     detector: DetectorParams = Field(default=DetectorParams(), description="what makes an image of light")
 
@@ -105,8 +119,12 @@ class Shot:
     """What one camera of a pair has taken."""
 
     image: NDArray[np.uint8]
+    radiance: NDArray[np.float32]
+    """That each pixel sees [W/m2/sr]."""
     distance: NDArray[np.float32]
     """To what each pixel sees, infinite for the sky [m]."""
+    time: float
+    """Of exposure [s]."""
 
 
 class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
@@ -117,6 +135,7 @@ class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
     def __init__(self, name: str, params: CameraSensorParams, site: SensorSite) -> None:
         super().__init__(name, params, site)
         self.optics: Optics = optics(params.lens, params.detector)
+        self._grains = lru_cache(maxsize=4)(self._grains_of)  # they stay where they are
 
     def read(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
         (shot,) = self.shoot(ground, truth, {self.name: 0.0})
@@ -132,9 +151,37 @@ class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
         seen = self.site.scene.scenery.see(self.optics, moment, turn, [place + x * turn[:, 0] for x in aside.values()])
         time = exposure_for(self.optics, seen[0][0])
         return [
-            Shot(expose(self.optics, radiance, time, pixel_noise(self.site.seed, name, truth.stamp)), distance)
+            Shot(self._exposed(name, truth.stamp, radiance, time), radiance, distance, time)
             for name, (radiance, distance) in zip(aside, seen, strict=True)
         ]
+
+    def _exposed(self, name: str, stamp: int, radiance: NDArray[np.float32], time: float) -> NDArray[np.uint8]:
+        return expose(self.optics, radiance, time, pixel_noise(self.site.seed, name, stamp))
+
+    def faulted(self, reading: tuple[NDArray[Any], ...], fault: FaultNow) -> tuple[NDArray[Any], ...]:
+        """Dust on the lens; an image has no numbers that other faults change."""
+        if fault.params.dust == 0.0:
+            return super().faulted(reading, fault)
+        (image,) = reading
+        return (self._behind(image, self.cover(fault)),)
+
+    def cover(self, fault: FaultNow) -> NDArray[np.float32]:
+        """Part of the light of each pixel that dust on the lens takes, (rows, columns) [-]."""
+        return self._grains(fault.stream, fault.params.dust)
+
+    def _grains_of(self, stream: int, dust: float) -> NDArray[np.float32]:
+        from scipy.ndimage import gaussian_filter  # here: a camera without dust need not wait for it to load
+
+        lens, fault = self.params.lens, FaultNow(SensorFaultParams(dust=dust), 0.0, stream, 0)
+        hidden = fault.hidden(self.optics.rays.reshape(-1, 3) @ LINK_TO_OPTICAL.T)
+        soft = SOFT * SPECK / self.optics.pixel
+        grains = gaussian_filter(hidden.reshape(lens.rows, lens.columns).astype(np.float32), soft, mode="nearest")
+        return np.asarray(np.clip(grains, 0.0, 1.0))
+
+    @staticmethod
+    def _behind(image: NDArray[np.uint8], cover: NDArray[np.float32]) -> NDArray[np.uint8]:
+        """What of an image is seen behind dust."""
+        return np.asarray(np.rint(image + cover * (GREY * image.mean() - image)), dtype=np.uint8)
 
     def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
         image, info = self.rows
@@ -172,7 +219,22 @@ class CameraPair(Camera):
         pair = self.params.stereo
         left, right = self.shoot(ground, truth, {self.name: 0.0, f"{self.name}.right": pair.baseline})
         noise = pixel_noise(self.site.seed, f"{self.name}.depth", truth.stamp)
-        return left.image, right.image, stereo_depth(self.optics, pair, (left.distance, left.image), noise)
+        depth = stereo_depth(self.optics, pair, (left.radiance, left.distance), left.time, noise)
+        return left.image, right.image, depth
+
+    def faulted(self, reading: tuple[NDArray[Any], ...], fault: FaultNow) -> tuple[NDArray[Any], ...]:
+        """Dust on both lenses, on each in other places; where it hides a place from one there is no depth."""
+        if fault.params.dust == 0.0:
+            return super().faulted(reading, fault)
+        left, right, depth = reading
+        on_left, on_right = self.cover(fault), self.cover(replace(fault, stream=mixed(fault.stream)))
+        rows, columns = np.nonzero(depth)
+        scale = 1000.0 * self.params.lens.focal_length * self.params.stereo.baseline
+        there = np.clip(np.rint(columns - scale / depth[rows, columns]).astype(int), 0, None)
+        hidden = (on_left[rows, columns] > 0.5) | (on_right[rows, there] > 0.5)
+        depth = depth.copy()
+        depth[rows[hidden], columns[hidden]] = 0
+        return self._behind(left, on_left), self._behind(right, on_right), depth
 
     def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
         left, left_info, right, right_info, depth = self.rows

@@ -41,6 +41,7 @@ class StringCurrentsParams(SensorParams):
 
     kind: str = "string_currents"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
     loads: tuple[str, ...] = Field(min_length=1, description="loads whose current is measured, on a bus with a store")
     current: ChannelParams = Field(description="channel of each [A]")
 

@@ -33,6 +33,8 @@ class HazcamSensorParams(HazcamParams, SensorParams):
 
     kind: str = "hazcam"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
+    has_lens: ClassVar[bool] = True
     hears: ClassVar[tuple[Any, ...]] = (GROUND,)
     sees_changes: bool = Field(
         default=False,

@@ -1,7 +1,7 @@
 """The inertial measurement unit: /imu/data."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -27,6 +27,7 @@ class ImuSensorParams(ImuParams, SensorParams):
         default=293.15, gt=0.0, le=1000.0, description="of the IMU where no thermal.yaml tells it [K]"
     )
     speaks_on: ClassVar[tuple[Any, ...]] = (topic("/imu/data"),)
+    quantities: ClassVar[tuple[str, ...] | None] = tuple(field.name for field in fields(ImuReading))
 
     def sensor(self, name: str, site: SensorSite) -> "ImuSensor":
         """The IMU of a machine."""

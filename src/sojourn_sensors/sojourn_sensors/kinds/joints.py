@@ -21,6 +21,7 @@ class JointSensorsParams(SensorParams):
 
     kind: str = JOINTS
     speaks_on: ClassVar[tuple[Any, ...]] = (topic("/joint_states"),)
+    quantities: ClassVar[tuple[str, ...] | None] = ("position", "velocity", "effort")
     alone: ClassVar[bool] = True
     groups: dict[str, JointGroupParams] = Field(description="group name to its joints")
 

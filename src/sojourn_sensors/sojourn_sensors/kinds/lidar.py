@@ -64,6 +64,8 @@ class LidarSensorParams(LidarParams, SeeingParams):
 
     kind: str = "lidar"
     speaks_on: ClassVar[tuple[Any, ...]] = (CLOUD, SCAN)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
+    has_lens: ClassVar[bool] = True
 
     @property
     def own_rows(self) -> tuple[Any, ...]:

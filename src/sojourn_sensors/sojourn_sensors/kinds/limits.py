@@ -35,6 +35,7 @@ class LimitSwitchesParams(LimitSwitchParams, SensorParams):
 
     kind: str = "limit_switches"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ()
     joints: tuple[str, ...] = Field(min_length=1, description="joints of the URDF whose travel has ends")
 
     @property

@@ -36,6 +36,7 @@ class MagnetometerSensorParams(SensorParams, MagnetometerParams):
 
     kind: str = "magnetometer"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
 
     @property
     def needs_magnetic_site(self) -> bool:

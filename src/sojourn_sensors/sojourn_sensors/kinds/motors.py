@@ -38,6 +38,7 @@ class MotorSensorParams(SensorParams):
 
     kind: str = "motor_sensor"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ("current", "voltage")
     hears: ClassVar[tuple[Any, ...]] = (MOTORS,)
     joints: tuple[str, ...] = Field(min_length=1, description="joints whose motors are measured")
     current: ChannelParams | None = Field(default=None, description="channel of each current [A]; none: not measured")

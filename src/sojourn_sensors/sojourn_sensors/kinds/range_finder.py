@@ -43,6 +43,7 @@ class RangeFinderSensorParams(RangeFinderParams, SeeingParams):
 
     kind: str = "range_finder"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
 
     @property
     def needs_air(self) -> bool:

@@ -38,6 +38,7 @@ class SpectrometerSensorParams(SpectrometerParams, SeeingParams):
 
     kind: str = "spectrometer"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ()
 
     @property
     def soils(self) -> tuple[str, ...]:

@@ -25,6 +25,7 @@ class SunSensorKindParams(SunSensorParams, SensorParams):
 
     kind: str = "sun"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
 
     @classmethod
     def silence(cls, stamp: int) -> Iterable[tuple[str, Any]]:

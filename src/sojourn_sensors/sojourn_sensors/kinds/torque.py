@@ -36,6 +36,7 @@ class TorqueSensorParams(StrainGaugeParams, SensorParams):
 
     kind: str = "torque_sensor"
     speaks_on: ClassVar[tuple[Any, ...]] = (ROW,)
+    quantities: ClassVar[tuple[str, ...] | None] = ("",)
     joints: tuple[str, ...] = Field(min_length=1, description="joints of the URDF that have one each")
     node: str | None = Field(
         default=None, description="node of the machine's heat that they are as warm as; none: no apparent strain"
