@@ -9,7 +9,9 @@ import pytest
 
 from sojourn_config.command_errors import UsageError
 from sojourn_config.errors import ConfigError
+from sojourn_config.scenario import load_scenario
 from sojourn_studies import power_plan
+from sojourn_studies.power_days import LONGEST_STEP, steps_of_a_day
 
 STORM = "sun.optical_depth=10.8"
 
@@ -67,6 +69,40 @@ def test_without_it_the_night_is_the_end(capsys: pytest.CaptureFixture[str]) -> 
     assert 12.0 < found["empty_h"] < 72.0 and found["coldest_k"]["battery"] < 120.0
     assert "too cold" in found["beyond_limits"]["battery"]["what"]
     assert found["first_limit"]["h"] <= found["beyond_limits"]["battery"]["h"]
+
+
+@pytest.mark.parametrize("step", ["300", "3600"])
+def test_long_steps_come_to_what_those_of_a_minute_do(step: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """In 300 s the battery took charge beyond its limit and the loads 2003 Wh for 1305; in 3600 s it had 64 C."""
+    (exact,), found = days(capsys, "isotope_sol", "--step", "60")["days"], days(capsys, "isotope_sol", "--step", step)
+    (sol,) = found["days"]
+    for name in ("offered", "given", "used", "least", "most"):
+        assert sol[name] == pytest.approx(exact[name], rel=0.01)
+    assert sol["hours"] == pytest.approx(24.66, abs=0.01)  # 25 steps of 3600 s were called a sol
+    assert found["first_limit"] is None and found["beyond_limits"] == {}
+
+
+def test_a_day_of_whole_steps_is_a_day() -> None:
+    scenario = load_scenario("isotope_sol")
+    for step in (1.0, 59.0, 60.0, 61.0, 300.0, 3600.0):
+        asked, parts = steps_of_a_day(scenario, step)
+        length = scenario.body.solar_day / asked
+        assert length <= step * (1.0 + 1e-6) and length / parts <= LONGEST_STEP * (1.0 + 1e-6)
+
+
+def test_a_row_of_a_long_step_has_the_means_of_its_minutes(tmp_path: Path) -> None:
+    tables = {}
+    for step in ("60", "600"):
+        path = tmp_path / f"{step}.csv"
+        assert power_plan.main(["flat_drive", "--days", "0.005", "--step", step, "--csv", str(path)]) == 0
+        with path.open(encoding="utf-8") as file:
+            tables[step] = list(csv.DictReader(file))
+    minutes, rows = tables["60"], tables["600"]
+    assert len(rows) == 21
+    first = [float(row["load_computer_w"]) for row in minutes[:10]]
+    assert float(rows[0]["load_computer_w"]) == pytest.approx(sum(first) / 10.0, rel=1e-6)
+    assert float(rows[0]["charge_battery"]) == pytest.approx(float(minutes[9]["charge_battery"]), abs=1e-4)
+    assert float(rows[0]["hours"]) == pytest.approx(float(minutes[9]["hours"]), rel=1e-3)
 
 
 def test_it_prints_writes_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -97,9 +97,11 @@ def test_it_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     ("arguments", "word"),
     [
         (["moon", "--lat", "91"], "--lat 91"),
-        (["moon", "--lon", "-200"], "--lon -200"),
+        (["moon", "--lon", "-400"], "--lon -400"),
         (["moon", "--time", "noon"], "--time noon"),
         (["moon", "--time", "2028-03-01T00:00:00"], "--time"),
+        (["mars", "--time", "9999-12-31T23:59:59Z"], "--time 9999-12-31T23:59:59Z: time = "),
+        (["moon", "--altitude", "-1.5e6"], "--altitude -1500000"),
         (["moon", "--days", "0"], "--days 0"),
         (["low_earth_orbit"], "orbit"),
         (["itokawa", "--altitude", "-200"], "altitude_m"),
@@ -109,6 +111,39 @@ def test_it_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 def test_bad_places_are_refused_in_one_sentence(arguments: list[str], word: str) -> None:
     with pytest.raises(UsageError, match=word):
         site_sheet.main(arguments)
+
+
+def test_a_picture_that_cannot_be_written_is_told_before_the_sheet(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(UsageError, match="--plot"):
+        site_sheet.main(["moon", "--plot", "/no/such/folder/x.png"])
+    assert capsys.readouterr().out == ""
+
+
+def test_a_turn_westwards_is_the_same_place(capsys: pytest.CaptureFixture[str]) -> None:
+    west, east = (sheet(capsys, "mars", "--lat", "20", "--lon", degrees)["gravity"] for degrees in ("-350", "10"))
+    assert west == pytest.approx(east, rel=1e-9)
+
+
+@pytest.mark.parametrize("depth", ["-1e5", "-1.0E+5", "-100000", "-.1e6"])
+def test_a_number_below_zero_may_have_an_exponent(depth: str, capsys: pytest.CaptureFixture[str]) -> None:
+    found = sheet(capsys, "jupiter", "--altitude", depth)
+    assert found["gravity"]["gravity"] > sheet(capsys, "jupiter")["gravity"]["gravity"]
+
+
+def test_beyond_the_synchronous_orbit_nothing_stays(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of Mars 20428 km, 17032 km over the equator; over its pole everything falls."""
+    assert sheet(capsys, "mars", "--altitude", "1.70e7")["gravity"]["gravity"] < 0.01
+    far = sheet(capsys, "mars", "--altitude", "1.71e7")["gravity"]
+    assert "flies off" in far["gravity"] and "time to fall 1 m" not in far
+    assert sheet(capsys, "mars", "--altitude", "1e8", "--lat", "90")["gravity"]["gravity"] < 0.01
+
+
+def test_of_an_orbit_in_dense_air_it_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    low = sheet(capsys, "earth", "--orbit", "--altitude", "100")["orbit"]
+    assert "150 km" in low["air"] and "air, mean activity of the Sun" not in low
+    assert site_sheet.main(["earth", "--orbit", "--altitude", "100"]) == 0
+    assert "too dense" in capsys.readouterr().out
+    assert "air" not in sheet(capsys, "moon", "--orbit", "--altitude", "100")["orbit"]
 
 
 def test_an_unknown_body_is_answered_with_the_nearest() -> None:

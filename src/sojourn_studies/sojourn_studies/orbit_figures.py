@@ -63,6 +63,8 @@ def rows_of_orbit(body: BodyParams, altitude: float, inclination: float, beta: f
     beside = transition(orbit.rate, orbit.period) @ (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     yield SheetRow("what rests 1 m above a spacecraft is along its flight a turn later", float(beside[1]), "m")
     yield SheetRow("gravity gradient, largest torque for 1 kg m2 between two axes", 1.5 * orbit.rate**2, "N m")
+    if body.name == EARTH and altitude < LOWEST:
+        yield SheetRow("air", f"too dense for an orbit to last; its figures are from {LOWEST / 1e3:g} km on")
     if body.name == EARTH and LOWEST <= altitude <= HIGHEST:
         air = density(altitude)
         yield SheetRow("air, mean activity of the Sun", air, "kg/m3")
@@ -148,5 +150,6 @@ def run(given: argparse.Namespace) -> int:
     print(f"{body.name}, orbit {given.altitude:g} m {high}, inclination {given.inclination:g} deg")
     width = max(len(row.name) for row in rows)
     for row in rows:
-        print(f"  {row.name.ljust(width)}  {row.value:.5g} {row.unit}")
+        value = row.value if isinstance(row.value, str) else f"{row.value:.5g}"
+        print(f"  {row.name.ljust(width)}  {value} {row.unit}".rstrip())
     return 0

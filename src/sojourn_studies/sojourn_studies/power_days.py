@@ -7,6 +7,7 @@ motors hold meanwhile (`standing_draw`).
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,10 @@ from sojourn_studies.standing_draw import standing_draw
 
 FORECAST_EVERY = 600.0
 """The power manager looks ahead so often here; in a run it is each minute [s]."""
+ROUNDING = 1e-9
+"""Of a number of steps, that it makes no more of them [1]."""
+LONGEST_STEP = 60.0
+"""Longer ones are taken in parts: a thermostat or a mode of the manager would last for all of one [s]."""
 
 
 class DayOfPower(NamedTuple):
@@ -61,6 +66,8 @@ class PowerDays:
     scenario: LoadedScenario
     step: float
     """Of time [s]."""
+    parts: int
+    """Of these steps in each that was asked for [1]."""
     steps: Sequence[PreviewStep]
     end: PreviewState
 
@@ -166,7 +173,7 @@ class PowerDays:
 
 
 def power_days(scenario: LoadedScenario, days: float, step: float) -> PowerDays:
-    """So many solar days, in steps of so many seconds.
+    """So many solar days, in steps of at most so many seconds [s]: whole ones make a solar day.
 
     Raises:
         ConfigError: the ground cannot be made that hides the Sun.
@@ -181,13 +188,21 @@ def power_days(scenario: LoadedScenario, days: float, step: float) -> PowerDays:
     ahead = expected_light(known, expected), heat_at_start(known, expected)
     forecaster = Forecaster(params, scenario.config.activities, *ahead)
     state, steps = preview.initial_state(scenario.config.battery_soc), []
+    asked, parts = steps_of_a_day(scenario, step)
+    step = scenario.body.solar_day / (asked * parts)
     looked = -FORECAST_EVERY
-    for _ in range(max(round(days * scenario.body.solar_day / step), 1)):
-        if state.time - looked >= FORECAST_EVERY:
+    for _ in range(max(round(days * asked), 1) * parts):
+        if state.time - looked > FORECAST_EVERY - 0.5 * step:
             looked = state.time
             least = forecaster.least_asleep(Known(state.time, state.manager, preview.readings(state), state.heat))
             if least is not None:
                 state = state._replace(manager=law.foreseen(params, state.manager, least))
         state, shown = preview.step(state, step)
         steps.append(shown)
-    return PowerDays(scenario, step, steps, state)
+    return PowerDays(scenario, step, parts, steps, state)
+
+
+def steps_of_a_day(scenario: LoadedScenario, step: float) -> tuple[int, int]:
+    """Whole steps of at most so many seconds that make a solar day, and the parts in which each is taken."""
+    asked = ceil(scenario.body.solar_day / step * (1.0 - ROUNDING))
+    return asked, ceil(scenario.body.solar_day / asked / LONGEST_STEP * (1.0 - ROUNDING))

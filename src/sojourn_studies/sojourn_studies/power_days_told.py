@@ -3,12 +3,13 @@
 import argparse
 import csv
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import load_scenario
-from sojourn_studies.power_days import PowerDays, power_days
+from sojourn_studies.power_days import LONGEST_STEP, PowerDays, power_days, steps_of_a_day
 
 MOST_STEPS = 1_000_000
 CELSIUS = 273.15
@@ -21,9 +22,10 @@ def run(given: argparse.Namespace) -> int:
         raise UsageError(f"power_plan: --days {given.days:g}: allowed is more than 0")
     if not 1.0 <= given.step <= 3600.0:
         raise UsageError(f"power_plan: --step {given.step:g}: allowed is 1 to 3600 s")
-    count = given.days * scenario.body.solar_day / given.step
+    count = given.days * math.prod(steps_of_a_day(scenario, given.step))
     if count > MOST_STEPS:
-        raise UsageError(f"power_plan: {count:.0f} steps: allowed are {MOST_STEPS}: fewer --days or a longer --step")
+        longer = " or a longer --step" if given.step < LONGEST_STEP else ""
+        raise UsageError(f"power_plan: {count:.0f} steps: allowed are {MOST_STEPS}: fewer --days{longer}")
     found = power_days(scenario, given.days, given.step)
     if given.json:
         print(json.dumps(_figures(found), indent=1))
@@ -91,7 +93,7 @@ def _figures(found: PowerDays) -> dict[str, object]:
 
 
 def _write(path: Path, found: PowerDays) -> None:
-    """Every step as a row."""
+    """Every step that was asked for as a row: means of its powers, and what is at its end."""
     power = found.scenario.power
     loads = [f"load_{load.name}_w" for load in power.loads]
     stores = [(f"charge_{name}", f"temperature_{name}_k") for name in power.all_stores]
@@ -101,10 +103,11 @@ def _write(path: Path, found: PowerDays) -> None:
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(head)
-            for place, step in enumerate(found.steps):
+            for end in range(found.parts - 1, len(found.steps), found.parts):
+                step, row = found.steps[end], slice(end + 1 - found.parts, end + 1)
                 pairs = [value for pair in zip(step.charges, step.temperatures, strict=True) for value in pair]
-                numbers = [found.hours[place], found.offered[place], found.given[place], *found.used[place], *pairs]
-                numbers += [values[place] for values in found.nodes.values()]
+                means = [found.offered[row].mean(), found.given[row].mean(), *found.used[row].mean(axis=0)]
+                numbers = [found.hours[end], *means, *pairs, *(values[end] for values in found.nodes.values())]
                 writer.writerow([*(f"{float(number):.6g}" for number in numbers), step.manager.mode])
     except OSError as error:
         raise UsageError(f"--csv {path}: {error}") from error

@@ -16,7 +16,13 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument("scenario", metavar="SCENARIO", help="of config/scenarios, or a file")
     result.add_argument("--days", type=command_line.number, default=1.0, metavar="D", help="solar days (%(default)s)")
-    result.add_argument("--step", type=command_line.number, default=60.0, metavar="S", help="of time (%(default)s)")
+    result.add_argument(
+        "--step",
+        type=command_line.number,
+        default=60.0,
+        metavar="S",
+        help="of time, at most: whole ones make a solar day; more than a minute is for the rows of --csv (%(default)s)",
+    )
     result.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a value of a file")
     result.add_argument("--plot", type=Path, metavar="FILE", help="draw it")
     result.add_argument("--csv", type=Path, metavar="FILE", help="write every step")

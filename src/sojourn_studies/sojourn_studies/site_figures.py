@@ -79,6 +79,12 @@ def gravity(place: SheetPlace) -> Iterator[SheetRow]:
     """What a machine weighs there, which way it falls, and how fast it must go to leave."""
     pull = place.field.acceleration(MAP_ORIGIN)
     strength = float(np.linalg.norm(pull))
+    if pull[2] >= 0.0:  # beyond the orbit that keeps its place over the ground
+        outwards = f"none: what turns with {place.body.name} there flies off, outwards with {strength:.5g} m/s2"
+        yield SheetRow("gravity", outwards)
+        yield SheetRow("mean of the body, GM/R2", place.body.surface_gravity, "m/s2")
+        yield SheetRow("speed of escape", place.field.escape_speed(MAP_ORIGIN), "m/s")
+        return
     yield SheetRow("gravity", strength, "m/s2")
     yield SheetRow("mean of the body, GM/R2", place.body.surface_gravity, "m/s2")
     yield SheetRow("plumb line off the vertical", math.degrees(math.acos(min(-float(pull[2]) / strength, 1.0))), "deg")
@@ -211,21 +217,24 @@ def _problem(found: object) -> str:
     values = dict(found)  # type: ignore[call-overload]
     option = {"latitude_deg": "--lat", "longitude_deg": "--lon", "altitude_m": "--altitude"}
     name = str(values["loc"][0]) if values["loc"] else "time"
-    return f"{option.get(name, '--' + name)} {values['input']}: {values['msg'][0].lower()}{values['msg'][1:]}"
+    given, said = values["input"], values["msg"]
+    if isinstance(given, dict):  # found by a check of the whole table, of which this is the only value
+        given, said = given.get(name), said.removeprefix("Value error, ")
+    return f"{option.get(name, '--' + name)} {given}: {said[0].lower()}{said[1:]}"
 
 
 def run(given: argparse.Namespace) -> int:
-    """Print the sheet, and draw it."""
+    """Draw the sheet, and print it: a picture that cannot be written is told before."""
     place = place_of(given)
     sheet = {name: list(section(place)) for name, section in SECTIONS.items()}
-    if given.json:
-        print(json.dumps({name: {row.name: row.value for row in rows} for name, rows in sheet.items()}, indent=1))
-    else:
-        _print(place, sheet)
     if given.plot is not None:
         from sojourn_studies.site_plot import draw  # matplotlib, which the figures alone do not need
 
         draw(given.plot, place)
+    if given.json:
+        print(json.dumps({name: {row.name: row.value for row in rows} for name, rows in sheet.items()}, indent=1))
+    else:
+        _print(place, sheet)
     return 0
 
 

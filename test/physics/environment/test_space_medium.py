@@ -49,6 +49,15 @@ def test_beyond_the_heliopause_it_is_another_medium() -> None:
     assert outside.light == pytest.approx(1361.0 / 4e4)
 
 
+@given(st.floats(0.1, 1e9))
+def test_nothing_is_colder_than_what_shines_from_everywhere(distance: float) -> None:
+    """Of sunlight alone a ball between the stars came to 0.9 K."""
+    medium = medium_at(distance)
+    assert medium.grey_temperature >= 2.7254
+    radiated = 4.0 * 5.670374419e-8 * (medium.grey_temperature**4 - 2.72548**4)
+    assert radiated == pytest.approx(medium.light, rel=1e-6, abs=1e-15)
+
+
 def test_atomic_oxygen_of_the_station_eats_kapton() -> None:
     """Fluxes of some 1e14 atoms/(cm2 s) at 400 km, so some tens of micrometres of Kapton a year."""
     orbit = CircularOrbit(3.986004e14, 6.378137e6, 6.378137e6 + 400e3)

@@ -22,7 +22,8 @@ Where the current is steady nothing steps, but V + R I is level, and the moment 
     J = (r1 - 1) R I
 
 against its mean of late: the same sum of likelihoods decides between 0 and J, with the mean held while it is above 0.
-Where it falls by far more than that no string does it, and the mean begins anew.
+Where it falls by far more than that no string does it, and the mean begins anew; likewise after a leap, a reading later
+than the time of the mean, in which the charge has moved the open-circuit voltage.
 Then r = 1 + fall / (R I), which the steps that follow confirm or take back.
 
 Range: R is believed better than half of 1 / (n - 1), and the current steps, or is large enough when the string fails. A
@@ -134,7 +135,8 @@ def _by_level(
     reading, resistance = seen
     drop = resistance * reading.current
     level, now = before.level, reading.voltage + drop
-    if level is None or abs(reading.current - level.current) >= params.least_step:
+    # across a leap of time the open-circuit voltage falls with the charge, as if a string had failed
+    if level is None or dt > params.level_time or abs(reading.current - level.current) >= params.least_step:
         return replace(before, level=Level(now, reading.current))
     fall, expected = level.mean - now, drop / (strings - 1)
     if abs(fall) > LARGEST_FALL * max(abs(drop) * (strings - 1), params.least_fall):

@@ -27,6 +27,7 @@ Valid for currents up to a few times the capacity per hour, steps short against 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from math import expm1
 from typing import Any, Self
 
 import numpy as np
@@ -45,7 +46,7 @@ from sojourn_machine.power.battery_kernels import (
 from sojourn_machine.power.cell_losses import CellLosses
 from sojourn_machine.power.lithium_age import LithiumAge
 from sojourn_machine.power.pack import Pack, PackState
-from sojourn_machine.power.stores import StoreParams, StorePoint
+from sojourn_machine.power.stores import ForceCourse, StoreParams, StorePoint
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -126,19 +127,21 @@ class BatteryParams(StoreParams):
     def pack(self) -> Pack:
         """The numbers of a cell scaled to the pack, made once."""
         scale = self.cells_series / self.cells_parallel * (1.0 if self.age is None else self.age.resistance)
+        left = 1.0 if self.age is None else self.age.capacity_left
+        capacity = (1.0 - self.imbalance) * left * self.cells_parallel * self.capacity_ah * SECONDS_PER_HOUR
         tables = PackTables(
             soc=np.array(self.soc_points, dtype=np.float64),
             ocv=self.cells_series * np.array(self.ocv_points, dtype=np.float64),
             temperature=np.array(self.resistance_temperatures, dtype=np.float64),
             ohmic=scale * np.array(self.resistance_ohmic, dtype=np.float64),
             polarisation=scale * np.array(self.resistance_polarisation, dtype=np.float64),
-            charge_capacity=self.charge_capacity,
+            charge_capacity=capacity,
             capacitance=self.capacitance,
             efficiency=self.coulombic_efficiency,
             heat_capacity=self.heat_capacity * self.cells_series * self.cells_parallel,
             conductance=self.thermal_conductance,
         )
-        falls = np.diff(tables.ocv) / np.diff(tables.soc) / self.charge_capacity
+        falls = np.diff(tables.ocv) / np.diff(tables.soc) / capacity
         full = self.cells_series * self.ocv_points[-1]
         return Pack(tables, tuple(falls.tolist()), full, self.charge_current_limit * self.cells_parallel)
 
@@ -156,8 +159,7 @@ class BatteryParams(StoreParams):
     @property
     def charge_capacity(self) -> float:
         """Charge of the full pack [C]."""
-        left = 1.0 if self.age is None else self.age.capacity_left
-        return (1.0 - self.imbalance) * left * self.cells_parallel * self.capacity_ah * SECONDS_PER_HOUR
+        return self.pack.tables.charge_capacity
 
     @property
     def capacitance(self) -> float:
@@ -215,6 +217,27 @@ class BatteryParams(StoreParams):
     def elastance(self, state: PackState) -> float:
         """See `StoreParams`: the slope of the table where it stands."""
         return self.pack.falls[bisect_right(self.soc_points, state.soc, 1, len(self.soc_points) - 1) - 1]
+
+    def course(self, state: PackState, point: StorePoint, dt: float) -> ForceCourse:
+        """See `StoreParams`; the polarisation comes to what a steady current has it come to."""
+        polarisation, slowness = self.polarisation(state.temperature)
+        gone, known = -expm1(-dt / slowness), super().course(state, point, dt)  # gone of it at the end
+        held = gone * slowness / dt  # of it in the mean
+        return ForceCourse(
+            known.mean_force + (1.0 - held) * state.polarisation_voltage,
+            known.mean_resistance + (1.0 - held) * polarisation,
+            known.end_force + gone * state.polarisation_voltage,
+            known.end_resistance + gone * polarisation,
+        )
+
+    def largest_charge(self, state: PackState, point: StorePoint) -> float:
+        """See `StoreParams`: the limit of its cells, and none where it is too cold."""
+        return self.pack.largest_charge * (point.charges and state.temperature >= self.temperature_charge_min)
+
+    @property
+    def full_voltage(self) -> float:
+        """See `StoreParams`."""
+        return self.pack.full_voltage
 
     def open_circuit_voltage(self, soc: float) -> float:
         """See `open_circuit_voltage`."""

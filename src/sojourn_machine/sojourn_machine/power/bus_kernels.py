@@ -55,7 +55,7 @@ def solve_bus(
     """
     lifted = source - resistance * current
     factor = 1.0 + resistance * conductance
-    if lifted <= 0.0:
+    if lifted <= 0.0 and power >= 0.0:  # power that is returned lifts even a bus without a force
         return 0.0, 0.0 if power > 0.0 else 1.0
     discriminant = lifted * lifted - 4.0 * factor * resistance * power
     if discriminant < 0.0:
@@ -271,9 +271,9 @@ def operating_point(
     wanted = power.sum() + drawn.sum()
     voltage, got, fed, shunt = _meet(stores, sources, converter, target, wanted, conductances.sum(), given)
     flows[VOLTAGE] = voltage
-    if voltage <= 0.0:
+    if voltage <= 0.0:  # and nothing flows, whoever gives back: what asks for something gets none of it
         given[:] = 0.0
-        flows[SERVED] = 1.0 if wanted <= 0.0 else 0.0
+        flows[SERVED] = 0.0 if np.any(power > 0.0) or np.any(drawn > 0.0) else 1.0
         return np.zeros(count), np.zeros(count), flows
     served = 1.0
     if got < wanted:

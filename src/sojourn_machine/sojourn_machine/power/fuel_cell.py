@@ -2,13 +2,16 @@
 
 The stack works at its own temperature, which it is taken to hold; a regulator gives its power to the bus at any
 voltage. Equations and their sources: `polarisation`. Auxiliaries (pumps, valves) take a part of what the stack makes.
-It gives nothing once either tank is empty; what the step that empties one takes too much shows as a mass below 0.
+It gives nothing once either tank is empty, and in the step that empties one what is left lasts for (`lasting`), but for
+a rounding that may show as a mass below 0.
 
 Start-up and ageing: `cell_condition`. Left out: purging, and how the voltage goes with pressure.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
+from typing import ClassVar
 
 from pydantic import Field
 
@@ -91,6 +94,15 @@ class FuelCellParams(CellConditionParams, SourceParams):
             return SourcePoint(0.0)
         curve, best = self.worn_curve(state.worn)
         return SourcePoint(self.allowed(state.warmth) * self.passed * self.milliwatts * best * curve.voltage(best))
+
+    runs_out: ClassVar[bool] = True
+
+    def lasting(self, state: FuelCellState, dt: float) -> float:
+        """See `SourceParams`: by the charge that the emptier tank is worth."""
+        charge = max(min(state.hydrogen / HYDROGEN_PER_CHARGE, state.oxygen / OXYGEN_PER_CHARGE), 0.0) / dt
+        curve, best = self.worn_curve(state.worn)
+        density = charge / self.milliwatts
+        return self.passed * charge * curve.voltage(density) if density < best else inf
 
     def voltage_at(self, power: float, worn: float = 0.0) -> float:
         """Of a cell while the bus is given a power [W], of cells that have lost a voltage [V] [V]."""

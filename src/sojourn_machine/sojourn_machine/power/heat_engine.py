@@ -12,7 +12,7 @@ consumption's.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import Annotated, ClassVar, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -72,7 +72,7 @@ class EngineState:
     """What an engine remembers."""
 
     propellant: float
-    """Fuel and oxidiser left [kg]; a little below 0 is possible in the step that empties the tank."""
+    """Fuel and oxidiser left [kg]."""
     energy: float = 0.0
     """Given to the bus since the start of the run [J]."""
     energy_heat: float = 0.0
@@ -108,12 +108,20 @@ class HeatEngineParams(SourceParams):
         """Its rating, while there is propellant."""
         return SourcePoint(self.rated_w if state.propellant > 0.0 else 0.0)
 
+    runs_out: ClassVar[bool] = True
+
+    def lasting(self, state: EngineState, dt: float) -> float:
+        """See `SourceParams`: at its rating until the tank is empty."""
+        rate = self.rated_w / (self.efficiency * self.heating_value) + self.idle_rate
+        return self.rated_w * min(max(state.propellant, 0.0) / (rate * dt), 1.0)
+
     def step(self, state: EngineState, power: float, dt: float, surroundings: PowerSurroundings = DARK) -> EngineState:
-        """Emptier by what it burnt to give `power` [W] for `dt` [s]; it stands still where nothing is asked."""
+        """Emptier by what it burnt to give `power` [W] for `dt` [s], at most all; it stands still where nothing is
+        asked."""
         require_step(power, dt)
         if power <= 0.0:
             return state
-        burnt = (power / (self.efficiency * self.heating_value) + self.idle_rate) * dt
+        burnt = min((power / (self.efficiency * self.heating_value) + self.idle_rate) * dt, state.propellant)
         return replace(
             state,
             propellant=state.propellant - burnt,

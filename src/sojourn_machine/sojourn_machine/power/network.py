@@ -3,11 +3,13 @@
 The plant steps it as the truth; what the power manager believes is the same parameters. Each bus is solved by a
 kernel (`bus_kernels`). Converters make a tree of the buses: a bus is solved before the one that feeds it, which so
 knows what is drawn from it, and once more where that one cannot give all of it. With one bus there is one solution.
-Stores that share a bus have the forces of the end of the period (`StoreParams.levelled`).
+Stores have the forces of the period's mean or end, and no member gives more than what it has left (`StoreParams.over`,
+`SourceParams.lasting`).
 
 Energy is conserved: over a period sources + stores = loads + heat of converters + shunts, to rounding
 (`NetworkEnergy`). A store's own account is exact too; its terminal energy differs from what its bus saw by what its
-voltage moves within the period: one part in 10^5 for a battery and 20 ms, in longer steps what levelling out costs.
+voltage moves within a control period (one part in 10^5 for a battery and 20 ms), in longer steps by what its force
+bends and by what levelling out costs.
 """
 
 import copy
@@ -83,6 +85,7 @@ class PowerNetwork:
         self._count = len(params.loads)
         self.fuses = Fuses(params.loads) if any(load.fuse is not None for load in params.loads) else None
         self.stuck = {place: float(load.stuck == "on") for place, load in enumerate(params.loads) if load.stuck}
+        self._running_out = tuple(place for place, source in enumerate(self.sources) if source.runs_out)
         self.takes_light = any(source.takes_light for source in self.sources)
         self.load_bus: IntArray = np.repeat(np.arange(len(self.buses)), counts)
         self._inputs = tuple(places[converter.input] for converter in self.converters)
@@ -176,7 +179,7 @@ class PowerNetwork:
         commanded, fuses = switches, state.fuses
         if fuses is not None:
             switches = switches * ~fuses.blown
-        offers = self._offers(state, surroundings) if state.sources else ()
+        offers = self._offers(state, surroundings, dt) if state.sources else ()
         points = self._solve(state, _Asked(switches, asked, offers, dt))
         output = self._output(points, sum([offer.power for offer in offers]))
         warmth = surroundings.round_stores or (surroundings.temperature,) * len(self.stores)
@@ -207,16 +210,20 @@ class PowerNetwork:
         )
         return new, output
 
-    def _offers(self, state: NetworkState, surroundings: PowerSurroundings) -> tuple[SourcePoint, ...]:
+    def _offers(self, state: NetworkState, surroundings: PowerSurroundings, dt: float) -> tuple[SourcePoint, ...]:
         """What the sources can give; what one has worked out of the same surroundings stands as long as it holds."""
+        known = zip(self.sources, state.sources, strict=True)
         if surroundings is not state.surroundings or not state.offers:
-            return tuple([one.point(each, surroundings) for one, each in zip(self.sources, state.sources, strict=True)])
-        return tuple(
-            [
+            offers = [source.point(before, surroundings) for source, before in known]
+        else:
+            offers = [
                 offer if source.holds(before) else source.point(before, surroundings)
-                for source, before, offer in zip(self.sources, state.sources, state.offers, strict=True)
+                for (source, before), offer in zip(known, state.offers, strict=True)
             ]
-        )
+        for place in self._running_out:
+            most = self.sources[place].lasting(state.sources[place], dt)
+            offers[place] = offers[place]._replace(power=min(offers[place].power, most))
+        return tuple(offers)
 
     def _fuses_after(
         self, before: FuseState | None, commanded: FloatArray, currents: FloatArray, dt: float
@@ -260,8 +267,9 @@ class PowerNetwork:
         """One bus, its lockout included. `most`: what its converter can give where that is less than its rating [W]."""
         stores, sources, converter = NO_STORES, NO_SOURCES, NO_CONVERTER
         if bus.stores:
-            at_end = period.dt if len(bus.stores) > 1 else 0.0
-            stores = np.array([self.stores[k].levelled(state.stores[k], at_end) for k in bus.stores], dtype=np.float64)
+            alone = len(bus.stores) == 1
+            points = [self.stores[k].over(state.stores[k], period.dt, alone) for k in bus.stores]
+            stores = np.array(points, dtype=np.float64)
         if bus.sources:
             sources = np.array([period.offers[k] for k in bus.sources], dtype=np.float64)
         if bus.feeder is not None:

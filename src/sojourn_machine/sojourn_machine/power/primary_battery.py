@@ -71,6 +71,13 @@ class PrimaryBatteryParams(BatteryParams):
         part = float(np.interp(temperature, self.part_temperatures, self.part_points))
         return current * max(current / rated, 1.0) ** (self.peukert - 1.0) / part if current > 0.0 else 0.0
 
+    def emptying(self, state: PackState, dt: float) -> float:
+        """See `StoreParams`: Peukert's law the other way round."""
+        rated = self.charge_capacity / (self.rated_hours * SECONDS_PER_HOUR)
+        part = float(np.interp(state.temperature, self.part_temperatures, self.part_points))
+        current = part * super().emptying(state, dt)
+        return float(rated * (current / rated) ** (1.0 / self.peukert)) if current > rated else current
+
     def losses(self, state: PackState, current: float, dt: float) -> CellLosses:
         """Peukert's law and self-discharge; nothing from a pack that is empty."""
         if state.soc <= 0.0:

@@ -20,7 +20,7 @@ out. The temperature is that of the surroundings.
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite, sqrt
+from math import inf, isfinite, sqrt
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -42,7 +42,7 @@ from sojourn_machine.power.polarisation import (
     ElectrolyserCurve,
     FuelCellCurve,
 )
-from sojourn_machine.power.stores import StoreParams, StorePoint
+from sojourn_machine.power.stores import ForceCourse, StoreParams, StorePoint
 
 WATTS = CM2 * 1e-3
 """In a milliwatt a square centimetre, for a square metre."""
@@ -164,7 +164,7 @@ class RegenerativeFuelCellParams(StoreParams):
         """Charge between full and empty at the terminals, at half of the most power [C]."""
         return 2.0 * self._energy / (self.voltage_empty + self.voltage_full)
 
-    @property
+    @cached_property
     def charging_efficiency(self) -> float:
         """Of a whole round at half of both powers [1]."""
         half = 0.5 * self.most_charge
@@ -189,10 +189,28 @@ class RegenerativeFuelCellParams(StoreParams):
         force = self.open_circuit_voltage(state.soc)
         out = self._stack.allowed(state.cells.warmth) * self._discharge_of(state.cells.worn)
         taken = self._electrolysis.allowed(state.electrolyser.warmth) * self._charge_of(state.electrolyser.worn)
-        # (force - R I) I = out of the current I out, V (V - force) / R = taken of the voltage V
-        most = 2.0 * out / (force + sqrt(max(force**2 - 4.0 * self.resistance * out, 0.0)))
+        most = self._current_of(out, force)
+        # V (V - force) / R = taken of the voltage V
         ceiling = min(self.voltage_full, 0.5 * (force + sqrt(force**2 + 4.0 * self.resistance * taken)))
         return StorePoint(force, self.resistance, ceiling, state.soc > 0.0 and out > 0.0, state.soc < 1.0, most)
+
+    def _current_of(self, power: float, force: float) -> float:
+        """I of (force - R I) I = power out [A]."""
+        return 2.0 * power / (force + sqrt(max(force**2 - 4.0 * self.resistance * power, 0.0)))
+
+    def course(self, state: RegenerativeState, point: StorePoint, dt: float) -> ForceCourse:
+        """See `StoreParams`; its regulator holds what it shows at the beginning, as `step` has it."""
+        known = super().course(state, point, dt)
+        return ForceCourse(point.source, point.resistance, known.end_force, known.end_resistance)
+
+    def emptying(self, state: RegenerativeState, dt: float) -> float:
+        """See `StoreParams`: of the power that the hydrogen lasts for."""
+        charge = state.soc * self.hydrogen / HYDROGEN_PER_CHARGE / dt
+        curve, best = worn_fuel_cell(self.fuel_cell, state.cells.worn, self.largest_current_density)
+        density = charge / (self.cells * self.area * WATTS)
+        if density >= best:
+            return inf
+        return self._current_of(self.passed * charge * curve.voltage(density), self.open_circuit_voltage(state.soc))
 
     def step(
         self, state: RegenerativeState, current: float, dt: float, temperature_surroundings: float | None = None

@@ -54,6 +54,13 @@ class SourceParams(Params):
         """The source as its bus sees it for the next control period."""
         raise NotImplementedError
 
+    runs_out: ClassVar[bool] = False
+    """Whether what it works on may come to its end within a period (`lasting`)."""
+
+    def lasting(self, state: Any, dt: float) -> float:
+        """The most power that what is left lasts for, given over `dt` [s] [W]."""
+        return inf
+
     def holds(self, state: Any) -> bool:
         """Whether its point is still that of the period before, where its surroundings are the same."""
         return False

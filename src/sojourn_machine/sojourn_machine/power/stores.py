@@ -19,6 +19,10 @@ STORES: "Registry[type[StoreParams]]" = Registry("sojourn.power_stores", "kind o
 """Parameter sets of the kinds of stores, by their names."""
 _SLOPE_STEP = 0.005
 """Of the state of charge, either way, over which the slope of the force is taken [1]."""
+SHORT = 0.1
+"""Period within which no force moves by what matters: a lone store keeps that of its start [s]."""
+_TO_THE_LAST = 1.0 + 1e-12
+"""That rounding leaves nothing in a store which a period empties [1]."""
 
 
 class StoreState(Protocol):
@@ -50,6 +54,15 @@ class StorePoint(NamedTuple):
     """Current may flow in."""
     most: float = inf
     """Current out of it that it limits itself to [A]."""
+
+
+class ForceCourse(NamedTuple):
+    """What a steady current I meets in a period: force less resistance I, [V] and [ohm], of its mean and of its end."""
+
+    mean_force: float
+    mean_resistance: float
+    end_force: float
+    end_resistance: float
 
 
 class StoreParams(Params):
@@ -102,17 +115,41 @@ class StoreParams(Params):
         rise = self.open_circuit_voltage(middle + _SLOPE_STEP) - self.open_circuit_voltage(middle - _SLOPE_STEP)
         return rise / (2.0 * _SLOPE_STEP * self.charge_capacity)
 
-    def levelled(self, state: Any, dt: float) -> StorePoint:
-        """As `point`, with the force of the end of a period of `dt` [s]; 0: as it is now.
+    def course(self, state: Any, point: StorePoint, dt: float) -> ForceCourse:
+        """Over a period of `dt` [s] from a point on: the charge that flows out lowers the force by the elastance, which
+        is so much more resistance.
+        """
+        fall = dt * self.elastance(state)
+        return ForceCourse(point.source, point.resistance + 0.5 * fall, point.source, point.resistance + fall)
 
-        Stores on one bus level each other out, a small one beside a large one in less than a step of a forecast, which
-        with the forces of its beginning would run away. Implicit Euler: the charge that flows out lowers the force by
-        the elastance, which is so much more resistance.
+    def largest_charge(self, state: Any, point: StorePoint) -> float:
+        """Current with which sources may charge it, whatever its voltage; not above 0 where they may not [A]."""
+        return (point.ceiling - point.source) / point.resistance
+
+    def emptying(self, state: Any, dt: float) -> float:
+        """Current that takes all of its charge in `dt` [s] [A]."""
+        return float(state.soc * self.charge_capacity / dt)
+
+    def over(self, state: Any, dt: float, alone: bool) -> StorePoint:
+        """As `point`, for a period of `dt` [s]: it gives no more than what is left, and sources charge it no further
+        than to its ceiling at the end. `alone`: no other store is on its bus.
+
+        A lone store has the mean force of the period, so that its bus sees the energy which it gives (exact for a force
+        linear in the charge: the implicit midpoint rule). Stores on one bus level each other out, a small one beside a
+        large one in less than a step of a forecast, which with any but the forces of the end would run away (implicit
+        Euler).
         """
         point = self.point(state)
-        if dt == 0.0:
-            return point
-        return StorePoint(point.source, point.resistance + dt * self.elastance(state), *point[2:])
+        most = min(point.most, self.emptying(state, dt) * _TO_THE_LAST) if state.soc > 0.0 else point.most
+        if dt <= SHORT:
+            more = 0.0 if alone else dt * self.elastance(state)
+            return StorePoint(point.source, point.resistance + more, *point[2:5], most)
+        course = self.course(state, point, dt)
+        to_full = (self.full_voltage - course.end_force) / course.end_resistance
+        room = (1.0 - state.soc) * self.charge_capacity / (self.charging_efficiency * dt)
+        taken = max(min(self.largest_charge(state, point), to_full, room), 0.0)
+        force, resistance = course[:2] if alone else course[2:]
+        return StorePoint(force, resistance, force + resistance * taken, point.discharges, point.charges, most)
 
     @property
     def exchange(self) -> tuple[float, float]:
@@ -130,6 +167,11 @@ class StoreParams(Params):
     def open_circuit_voltage(self, soc: float) -> float:
         """Of the rested store at a state of charge [V]."""
         raise NotImplementedError
+
+    @property
+    def full_voltage(self) -> float:
+        """Of the rested full store [V]."""
+        return self.open_circuit_voltage(1.0)
 
     def soc_from_open_circuit_voltage(self, voltage: float) -> float:
         """State of charge [0..1] of a rested store whose terminals show `voltage` [V]."""

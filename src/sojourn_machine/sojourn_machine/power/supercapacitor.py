@@ -75,7 +75,7 @@ class SupercapacitorParams(StoreParams):
 
     def point(self, state: CapacitorState) -> StorePoint:
         """See `StoreParams`."""
-        force = self.open_circuit_voltage(state.soc)
+        force = max(self.open_circuit_voltage(state.soc), 0.0)  # but for rounding it is not below
         ceiling = min(self.voltage_full, force + self.resistance * self.current_limit)
         return StorePoint(force, self.resistance, ceiling, state.soc > 0.0, True)
 
@@ -93,7 +93,8 @@ class SupercapacitorParams(StoreParams):
             raise InvalidValueError("dt [s]", dt, "a finite number above 0")
         around = self.temperature_surroundings if temperature_surroundings is None else temperature_surroundings
         before = self.open_circuit_voltage(state.soc)
-        leak = before / self.leak_resistance
+        left = max(self.capacitance * before / dt - max(current, 0.0), 0.0)
+        leak = min(before / self.leak_resistance, left)  # a long step leaks no more than there is
         after = before - (current + leak) * dt / self.capacitance
         mean = 0.5 * (before + after)
         ohmic = self.resistance * current * current * dt

@@ -27,7 +27,7 @@ class SiteParams(Params):
     """Where on its body the origin of map is."""
 
     latitude_deg: float = Field(ge=-90.0, le=90.0, description="of the vertical, north positive [deg]")
-    longitude_deg: float = Field(default=0.0, ge=-180.0, le=360.0, description="of the vertical, east positive [deg]")
+    longitude_deg: float = Field(default=0.0, ge=-360.0, le=360.0, description="of the vertical, east positive [deg]")
     altitude_m: float = Field(default=0.0, ge=-1e6, le=1e9, description="over the body's reference ellipsoid [m]")
 
 

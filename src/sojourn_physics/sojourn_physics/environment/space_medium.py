@@ -9,7 +9,9 @@ S/c on a mirror. Cosmic rays: 1.84 mSv a day behind the walls of a spacecraft on
 left out. Beyond the heliopause, 121.6 astronomical units where Voyager 1 passed it (Gurnett et al. 2013, Science
 341:1489): a plasma of 0.08 electrons per cm3; neutral hydrogen 0.2 per cm3 and 6 300 K, that the Sun goes through at 26
 km/s (Frisch, Redfield and Slavin 2011, Annu. Rev. Astron. Astrophys. 49:237), 0.5 nT (Burlaga and Ness 2014, Astrophys.
-J. 784:146). Range: 0.1 astronomical units on; all of it changes with the Sun's activity by factors.
+J. 784:146). A grey ball takes in the light of the Sun with its section and the cosmic microwave background, 2.72548 K,
+with all of its surface (Fixsen 2009, "The temperature of the cosmic microwave background", Astrophys. J. 707:916).
+Range: 0.1 astronomical units on; all of it changes with the Sun's activity by factors.
 """
 
 import math
@@ -22,6 +24,8 @@ from sojourn_physics.environment.sun.orbits import ASTRONOMICAL_UNIT
 
 HELIOPAUSE = 121.6
 """[AU]"""
+COSMIC_BACKGROUND = 2.72548
+"""Temperature of the radiation that comes from everywhere [K]."""
 NEAREST = 0.1
 LIGHT_SPEED = 299_792_458.0
 PROTON = 1.67262e-27
@@ -46,7 +50,7 @@ class SpaceMedium(NamedTuple):
     light_pressure: float
     """On a mirror square to it [Pa]."""
     grey_temperature: float
-    """Of a grey ball that only sunlight warms [K]."""
+    """Of a grey ball that sunlight and the cosmic background warm [K]."""
     particles: float
     """Protons of the wind, or hydrogen between the stars [1/m3]."""
     speed: float
@@ -83,7 +87,7 @@ def medium_at(distance: float) -> SpaceMedium:
     return SpaceMedium(
         light=light,
         light_pressure=2.0 * light / LIGHT_SPEED,
-        grey_temperature=(0.25 * light / STEFAN_BOLTZMANN) ** 0.25,
+        grey_temperature=(0.25 * light / STEFAN_BOLTZMANN + COSMIC_BACKGROUND**4) ** 0.25,
         particles=particles,
         speed=speed,
         wind_pressure=PROTON * particles * speed**2,
