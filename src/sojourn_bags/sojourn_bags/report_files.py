@@ -14,9 +14,7 @@ from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.report import write_report
 from sojourn_bags.summary import fault_lines, goal_lines, summarise, write_summary
 from sojourn_config.command_errors import UsageError
-
-ONLY_OWNER = 0o077
-"""Mask of what is written: a report tells what its bag tells, and is its owner's alone, as all files of a run are."""
+from sojourn_config.command_line import ONLY_OWNER
 
 
 def place_of(bag: Path) -> Path:

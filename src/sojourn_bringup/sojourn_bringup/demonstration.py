@@ -14,9 +14,9 @@ from sojourn_bringup.demo import DEFAULT_SCENARIO, MACHINE_SCENARIO
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome
 from sojourn_bringup.plan import RunPlan
-from sojourn_bringup.run_folder import ONLY_OWNER
 from sojourn_bringup.screen import PlainScreen, Screen
 from sojourn_config.command_errors import CommandError
+from sojourn_config.command_line import ONLY_OWNER
 from sojourn_operator.scenario_steps import course_of
 
 

@@ -11,8 +11,6 @@ from sojourn_config.command_errors import UsageError
 from sojourn_config.paths import repository_root
 
 LATEST = "latest"
-ONLY_OWNER = 0o077
-"""Mask of what a run writes: a bag tells where a machine is and what it does, and is its owner's alone."""
 
 
 def make_run_folder(wanted: Path | None, runs: Path | None = None) -> Path:

@@ -13,10 +13,11 @@ from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
 from sojourn_bringup.plan import RunPlan, check_lockstep, replacement_of
 from sojourn_bringup.process_table import PROCESSES, ROLE_NAMES, check_roles, process
-from sojourn_bringup.run_folder import ONLY_OWNER, make_run_folder
+from sojourn_bringup.run_folder import make_run_folder
 from sojourn_bringup.screen import Screen, default_screen
 from sojourn_bringup.secure import check_secure, make_keystore
 from sojourn_config.command_errors import UsageError
+from sojourn_config.command_line import ONLY_OWNER
 from sojourn_config.expected_light import lies_in_the_dark
 from sojourn_config.resolved import resolved_text
 from sojourn_config.ros_environment import what_the_network_opens

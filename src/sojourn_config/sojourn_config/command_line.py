@@ -8,7 +8,7 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from sojourn_config.collector import collect_seldom
 from sojourn_config.command_errors import CommandError, UsageError
@@ -20,11 +20,19 @@ from sojourn_config.shown import shown
 
 OUTPUT_CLOSED = 128 + signal.SIGPIPE
 """Exit status where nobody reads our output any more: what a shell reports of a program that this signal ends."""
+ONLY_OWNER = 0o077
+"""Mask of what a run or a report writes: it tells where a machine is and what it does, and is its owner's alone."""
+_NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+"""A number below zero as float() reads it; argparse takes one with an exponent for an option."""
 _NAMESPACE = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+")
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one sentence."""
+    """An argument parser whose errors are one sentence, and to which every number below zero is one."""
+
+    def __init__(self, *args: Any, **settings: Any) -> None:
+        super().__init__(*args, **settings)
+        self._negative_number_matcher = _NEGATIVE
 
     def error(self, message: str) -> NoReturn:
         """Print the sentence and end with status 2."""

@@ -1,15 +1,12 @@
 """The sheet of a place on a body: gravity, day, Sun, air, temperatures: scripts/site."""
 
 import argparse
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from sojourn_config import command_line
 
 SPACE = "space"
-NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
-"""A number below zero as float() reads it; argparse takes one with an exponent for an option."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -18,7 +15,6 @@ def parser() -> argparse.ArgumentParser:
         prog="site",
         description="A place on a body in figures: gravity and escape, day, Sun, air, temperatures, dose and hits.",
     )
-    result._negative_number_matcher = NEGATIVE
     result.add_argument("body", metavar="BODY", help="of config/bodies, or a file; `space`: none of them")
     result.add_argument("--lat", type=command_line.number, default=0.0, metavar="DEG", help="latitude (%(default)s)")
     result.add_argument("--lon", type=command_line.number, default=0.0, metavar="DEG", help="east (%(default)s)")

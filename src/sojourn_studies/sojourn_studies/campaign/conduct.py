@@ -12,7 +12,7 @@ from typing import Any
 from distributed import Client
 from rich.console import Console
 
-from sojourn_bringup.run_folder import ONLY_OWNER
+from sojourn_config.command_line import ONLY_OWNER
 from sojourn_config.paths import repository_root
 from sojourn_config.scenario import LoadedScenario
 from sojourn_studies.campaign.alike import versions_here
