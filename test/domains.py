@@ -12,6 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
+from sojourn_config.role_holder import token_name
+
 LAST_DOMAIN = 100
 """Above it the ports of DDS lie where the system takes its own."""
 _FOLDER = Path(tempfile.gettempdir()) / "sojourn-test-domains"
@@ -52,7 +54,13 @@ def _claim() -> tuple[int, TextIO]:
 
 
 def _is_quiet(domain: int) -> bool:
-    """Whether nobody holds the port of a domain's first participant (DDSI-RTPS 2.3, 9.6.1.1: 7410 + 250 a domain)."""
+    """Whether nobody holds a role of a domain, nor the port of its first participant.
+
+    A run that starts or ends has roles, and not yet or no longer the port (DDSI-RTPS 2.3, 9.6.1.1: 7410 + 250 a
+    domain).
+    """
+    if token_name(domain, "", "").replace("\0", "@") in Path("/proc/net/unix").read_text(encoding="utf-8"):
+        return False
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind(("127.0.0.1", 7410 + 250 * domain))

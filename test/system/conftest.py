@@ -21,8 +21,11 @@ def domain() -> Iterator[int]:
 
 
 @pytest.fixture
-def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
-    """Starts programs, as `start("start", "flat_drive", "--domain", 7)`, and ends those that still run afterwards."""
+def start(tmp_path: Path, domain: int) -> Iterator[Callable[..., Program]]:
+    """Starts programs, as `start("start", "flat_drive", "--domain", 7)`, and ends those that still run afterwards.
+
+    It asks for the domain only to be ended before it: what runs on until the end of a test holds its place till then.
+    """
     programs: list[Program] = []
 
     def begin(module: str, *arguments: str | Path | int) -> Program:
