@@ -1,7 +1,9 @@
 """The quick writer of messages against the library's: the same bytes, whatever is written and flushed whenever."""
 
+import gc
 import io
 import struct
+import weakref
 from collections.abc import Sequence
 
 import pytest
@@ -66,6 +68,20 @@ def test_a_file_may_end_with_a_chunk_that_has_just_become_full() -> None:
         return stream.getvalue()
 
     assert ended(QuickWriter) == ended(Writer)
+
+
+def test_a_writer_that_is_done_is_gone_at_once() -> None:
+    """A recorder of many files kept the indices of those that it had finished: megabytes in a day."""
+    writer = QuickWriter(io.BytesIO())
+    writer.start("ros2", "test")
+    writer.finish()
+    lives = weakref.ref(writer)
+    gc.disable()
+    try:
+        del writer
+        assert lives() is None
+    finally:
+        gc.enable()
 
 
 def test_messages_are_read_back() -> None:

@@ -9,7 +9,6 @@ Source: MCAP specification (mcap.dev/spec), records Message (op 0x05) and Messag
 
 import struct
 import zlib
-from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import IO, Any
 
@@ -41,7 +40,6 @@ class QuickWriter(Writer):
         self._chunk, self._statistics = private["_Writer__chunk_builder"], private["_Writer__statistics"]
         self._chunk_size = private["_Writer__chunk_size"]
         self._packs = private["_Writer__compression"] is CompressionType.ZSTD
-        self._to_stream: Callable[[], None] = super()._Writer__flush  # type: ignore[misc]
         self._packer = ThreadPoolExecutor(1, "packer")
         self._full: tuple[ChunkBuilder, bytes, Future[tuple[bytes, int]]] | None = None
         """A chunk that is being packed: what is known of it, its content, that content packed and its checksum."""
@@ -80,6 +78,12 @@ class QuickWriter(Writer):
         self._write_full()
         self._to_stream()
 
+    def _to_stream(self) -> None:
+        """What the library does there. Looked up each time: a writer that held it would hold itself, and outlive its
+        file with all its indices until Python looks for such circles, which a recorder's gives it little cause to do.
+        """
+        super()._Writer__flush()  # type: ignore[misc]
+
     def _begin_to_pack(self) -> None:
         self._write_full()
         chunk, self._chunk = self._chunk, ChunkBuilder()
@@ -93,13 +97,13 @@ class QuickWriter(Writer):
             return
         (chunk, data, packed), self._full = self._full, None
         content, checksum = packed.result()
-        private, to_stream = vars(self), self._to_stream
+        private = vars(self)
         stream, builder = private["_Writer__stream"], private["_Writer__record_builder"]
-        to_stream()
+        self._to_stream()
         begin, first, last = stream.tell(), chunk.message_start_time, chunk.message_end_time
         Chunk("zstd", content, last, first, checksum, len(data)).write(builder)
         length = builder.count
-        to_stream()
+        self._to_stream()
         indices, offsets = stream.tell(), dict[int, int]()
         for channel, index in chunk.message_indices.items():
             offsets[channel] = indices + builder.count
@@ -117,7 +121,7 @@ class QuickWriter(Writer):
         )
         private["_Writer__chunk_indices"].append(known)
         self._statistics.chunk_count += 1
-        to_stream()
+        self._to_stream()
 
 
 def _packed(data: bytes) -> tuple[bytes, int]:
