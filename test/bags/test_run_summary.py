@@ -14,11 +14,13 @@ from synthetic import PERIOD, SyntheticRun
 
 from sojourn_bags.completeness import RECORD, account
 from sojourn_bags.definitions import RUN_RECORD
+from sojourn_bags.description import Run
 from sojourn_bags.errors import IncompleteConfigError, UnknownTopicInBagError
 from sojourn_bags.goals import refused_velocities
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.report import write_report
-from sojourn_bags.summary import summarise, write_summary
+from sojourn_bags.summary import summarise, unsent_words, write_summary
+from sojourn_config.scenario import load_scenario
 from sojourn_contract.topics import TOPICS
 
 RADIUS, YAW_END = 6.0, 1.5
@@ -164,7 +166,17 @@ def test_steps_that_were_never_sent_and_a_roll_over_fail_the_run(tmp_path: Path)
     assert found["steps_not_sent"] == 4
     assert found["max_tilt_deg"] == pytest.approx(math.degrees(1.6), abs=1e-4)
     assert found["verdict"].startswith("The rover rolled over: it tilted by 92 degrees.")
+    assert found["verdict"].endswith(" 4 steps of the scenario were never sent.")
     assert found["energy_wh"] is None and found["max_sinkage_m"] is None and found["soc_end"] is None
+
+
+def test_over_a_link_nobody_says_that_a_step_was_not_sent() -> None:
+    """The bag is the machine's: what the link lost is not in it either."""
+    far = Run.of_scenario(load_scenario("flat_drive", ["link={light_time_s: 1.3}"]))
+    assert (
+        unsent_words(1, far) == "1 step of the scenario was never heard by the machine: not sent, or lost on the way."
+    )
+    assert unsent_words(0, far) == ""
 
 
 def test_a_bag_with_other_counts_than_its_recorder_wrote_is_not_complete(tmp_path: Path) -> None:

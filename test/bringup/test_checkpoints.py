@@ -70,7 +70,9 @@ def test_its_bag_keeps_the_contract_and_is_told_of(gone_on: Path) -> None:
     bag = read_bag(gone_on)
     report, _ = judge_bag(bag)
     assert not report.groups, report.groups
-    assert summarise(bag)["steps_not_sent"] == 0
+    summary = summarise(bag)
+    assert summary["steps_not_sent"] == 0 and not summary["goals"]
+    assert summary["verdict"] == "No goals were asked for in this record, which begins within its run."
     with pytest.raises(ReplayError, match="begins at a checkpoint"):
         script_of(bag, "drive")
 

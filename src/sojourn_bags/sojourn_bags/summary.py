@@ -101,12 +101,25 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     warning = (
         f"Others than their publishers have spoken on {foreign}: what is judged by it may be false." if foreign else ""
     )
-    verdict = [_verdict(summary, results, who), f"The record is not complete: {incomplete}." if incomplete else ""]
+    verdict = [
+        _verdict(summary, results, who, unsent_words(not_sent, run)) or _NO_GOALS[RESUMED in record],
+        f"The record is not complete: {incomplete}." if incomplete else "",
+    ]
     verdict += ["" if base is None else base.words(), sentence(faults), warning]
     summary["verdict"] = " ".join(filter(None, verdict))
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
     }
+
+
+def unsent_words(steps: int, run: Run) -> str:
+    """How many steps of the scenario no goal in the bag is of, in a sentence; "" for none."""
+    if not steps:
+        return ""
+    which = f"{steps} steps of the scenario were" if steps > 1 else "1 step of the scenario was"
+    if run.scenario.link is None:
+        return f"{which} never sent."
+    return f"{which} never heard by the machine: not sent, or lost on the way."
 
 
 def goal_lines(summary: dict[str, Any]) -> list[str]:
@@ -181,8 +194,11 @@ def messages(bag: Bag) -> dict[str, dict[str, int | None]]:
     }
 
 
-def _verdict(summary: dict[str, Any], results: list[GoalResult], who: str) -> str:
-    """One or two sentences for a person; `who`: what to call the machine."""
+_NO_GOALS = ("No goals were asked for.", "No goals were asked for in this record, which begins within its run.")
+
+
+def _verdict(summary: dict[str, Any], results: list[GoalResult], who: str, unsent: str) -> str:
+    """For a person, "" where nothing is to be told; `who`: what to call the machine, `unsent`: what to say of steps."""
     unmet = [result for result in results if not result.met]
     parts = []
     if summary["rolled_over"]:
@@ -192,16 +208,13 @@ def _verdict(summary: dict[str, Any], results: list[GoalResult], who: str) -> st
         why = f" ({first.reason})" if first.reason else ""
         error = "" if first.error_m is None else f", {length_in_words(first.error_m)} off"
         parts.append(f"{len(unmet)} of {len(results)} goals not met: {first.goal.what}: {first.outcome}{why}{error}.")
-    if summary["steps_not_sent"]:
-        parts.append(f"{summary['steps_not_sent']} steps of the scenario were never sent.")
-    if summary["all_met"]:
-        parts.append(_success(summary, len(results), who))
-    return " ".join(parts)
+    parts.append(unsent)
+    if summary["all_met"] and results:
+        parts.append(_success(summary, who))
+    return " ".join(filter(None, parts))
 
 
-def _success(summary: dict[str, Any], goals: int, who: str) -> str:
-    if not goals:
-        return "No goals were asked for."
+def _success(summary: dict[str, Any], who: str) -> str:
     deeds = []
     if summary["goal_error_m"] is not None:
         from_goal = length_in_words(summary["goal_error_m"])

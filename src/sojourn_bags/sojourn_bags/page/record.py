@@ -14,7 +14,7 @@ from sojourn_bags.page.chart import Span, strips
 from sojourn_bags.page.html import PageSection, figure, paragraph, table
 from sojourn_bags.page.story import ARM_SHADE, STATUS, Story
 from sojourn_bags.provenance import VERSIONS_NAME
-from sojourn_bags.summary import length_in_words, messages
+from sojourn_bags.summary import length_in_words, messages, unsent_words
 from sojourn_contract.codecs import decode
 from sojourn_contract.conformance.findings import number_text
 from sojourn_contract.heartbeat import RUNNING, Heartbeat, read_heartbeats
@@ -28,7 +28,7 @@ STATUSES = ("/drive/status", "/arm/status", "/power/status")
 
 def goals(story: Story) -> PageSection:
     """Goals and how each ended."""
-    if story.summary is None:
+    if story.summary is None or story.run is None:
         return PageSection("goals", "Goals", paragraph("Goals cannot be judged without the scenario in the bag."))
     found = story.summary["goals"]
     parts = []
@@ -49,8 +49,8 @@ def goals(story: Story) -> PageSection:
         parts.append(figure("When each goal was under way", strips(story.axis, rows_of_spans, "goals"), note))
     else:
         parts.append(paragraph("No goal was sent."))
-    if story.summary["steps_not_sent"]:
-        parts.append(paragraph(f"{story.summary['steps_not_sent']} steps of the scenario were never sent."))
+    if unsent := unsent_words(story.summary["steps_not_sent"], story.run):
+        parts.append(paragraph(unsent))
     return PageSection("goals", "Goals", "".join(parts))
 
 
