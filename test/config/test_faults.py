@@ -7,6 +7,7 @@ from sojourn_config.scenario import load_flight, load_scenario
 from sojourn_contract.run_table import table_of
 
 WHEEL = "wheel_front_left_joint"
+EXPECTED = "topic: /drive/status, field: failed_motors, says: x, within: 5"
 
 
 @pytest.mark.parametrize(
@@ -24,6 +25,22 @@ WHEEL = "wheel_front_left_joint"
         (
             f"{{kind: motor_dead, joint: {WHEEL}, when: {{later: 3}}}}",
             "no event: allowed is one of between, after_step",
+        ),
+        (
+            f"{{kind: motor_dead, joint: {WHEEL}, when: {{drive: movin}}}}",
+            r"faults\[0\]\.when\.drive = 'movin': allowed is .*moving",
+        ),
+        (
+            f"{{kind: motor_dead, joint: {WHEEL}, when: {{arm: arrived}}}}",
+            r"faults\[0\]\.when\.arm = 'arrived': allowed is .*reached",
+        ),
+        (
+            f"{{kind: motor_dead, joint: {WHEEL}, at: 1, expect: {{{EXPECTED.replace('motors', 'motor')}}}}}",
+            "field 'failed_motor' is no key of /drive/status: did you mean failed_motors?",
+        ),
+        (
+            f"{{kind: motor_dead, joint: {WHEEL}, at: 1, expect: {{{EXPECTED.replace('drive/', 'drve/')}}}}}",
+            "topic '/drve/status' is no status of ours: did you mean /drive/status?",
         ),
         (f"{{kind: servo_locked, joint: {WHEEL}, at: 1, angle_deg: 20}}", "commanded by rate: allowed is no angle"),
         ("{kind: servo_locked, joint: steer_front_left_joint, at: 1, angle_deg: 120}", "limits of steer_front_left"),
@@ -94,3 +111,14 @@ def test_the_sensors_wait_for_the_operator_where_something_happens_to_them() -> 
     for fault, waits in (("{kind: sensor, sensor: imu, stuck: true, at: 1}", True), ("", False)):
         table = table_of(load_scenario("flat_drive", [f"faults=[{fault}]"]))
         assert ("sensors" in table.topic("/operator/tick").subscribers) == waits
+
+
+@pytest.mark.parametrize(
+    ("topic", "field"), [("/grip/status", "jaws"), ("/drive/status", "temper"), ("/alarms", "state")]
+)
+def test_what_another_s_role_may_say_can_be_expected(topic: str, field: str) -> None:
+    expect = f"{{topic: {topic}, field: {field}, says: x, within: 5}}"
+    (found,) = load_scenario(
+        "flat_drive", [f"faults=[{{kind: motor_dead, joint: {WHEEL}, at: 1, expect: {expect}}}]"]
+    ).config.faults
+    assert found.expect is not None and found.expect.field == field

@@ -3,12 +3,12 @@
 from sojourn_contract.conformance.geometry import UNIT_TOLERANCE
 from sojourn_contract.conformance.joints import ANGLE_MARGIN, RATE_FACTOR
 from sojourn_contract.conformance.rates import LEAST_MESSAGES, RATE_TOLERANCE, WINDOW_S
-from sojourn_contract.conformance.texts import GOAL_STATES
 from sojourn_contract.events import MAX_AHEAD_S
 from sojourn_contract.heartbeat import READY, RUNNING, WAITING_TO_MATCH
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topic_types import JOINT_SETS
 from sojourn_contract.topics import OPERATOR_LAG, RECORDER_LAG
+from sojourn_machine.status_keys import GOAL_STATES
 
 _PERIOD = f"{CONTROL_PERIOD_S:g} s"
 

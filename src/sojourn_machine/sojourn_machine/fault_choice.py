@@ -20,6 +20,7 @@ from sojourn_machine.params import Params
 from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.sensor_choice import SensorParams
 from sojourn_machine.sensor_faults import SensorFaultParams
+from sojourn_machine.status_keys import GoalState, keys_meant, topics_meant
 
 LATEST = 1e7
 FaultProblem: TypeAlias = tuple[str, object, str]
@@ -47,8 +48,8 @@ class TriggerParams(Params):
     )
     after_step: int | None = Field(default=None, ge=1, le=10_000, description="that step is over, 1 is the first [1]")
     distance: float | None = Field(default=None, gt=0.0, le=1e6, description="so far has been driven, in truth [m]")
-    drive: str | None = Field(default=None, min_length=1, description="the drive says that it is in this state")
-    arm: str | None = Field(default=None, min_length=1, description="the arm says that it is in this state")
+    drive: GoalState | None = Field(default=None, description="the drive says that it is in this state")
+    arm: GoalState | None = Field(default=None, description="the arm says that it is in this state")
     later: float = Field(default=0.0, ge=0.0, le=LATEST, description="after the event [s]")
 
     @model_validator(mode="after")
@@ -69,6 +70,15 @@ class ExpectedDetection(Params):
     field: str = Field(min_length=1, description="key of the status")
     says: str = Field(min_length=1, description="text that stands in it while the fault is recognised, and else not")
     within: float = Field(gt=0.0, le=LATEST, description="after the fault has come [s]")
+
+    @model_validator(mode="after")
+    def _is_said_there(self) -> Self:
+        """Nobody refuses a status of a role that is not ours; but what nearly is one of ours is a slip of the pen."""
+        if topics := topics_meant(self.topic):
+            raise ValueError(f"topic {self.topic!r} is no status of ours: did you mean {' or '.join(topics)}?")
+        if keys := keys_meant(self.topic, self.field):
+            raise ValueError(f"field {self.field!r} is no key of {self.topic}: did you mean {' or '.join(keys)}?")
+        return self
 
 
 class FaultChoice(Params):

@@ -11,9 +11,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.switches import check_switches
-
-GOAL_STATES = ("idle", "moving", "reached", "refused", "stopped", "failed")
-"""What /drive/status and /arm/status may say of a goal."""
+from sojourn_machine.status_keys import GOAL_STATES
 
 
 class GoalStatusRule:
