@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from sojourn_config.arms import load_arm
@@ -86,6 +86,7 @@ def test_running_undisturbed_takes_the_planned_time_and_the_start() -> None:
 
 
 @given(seed=st.integers(min_value=0, max_value=2**32 - 1))
+@example(26150606)  # told to pause while it went back to full speed, it was led beyond that, and cut off there
 @settings(max_examples=8, deadline=None)
 def test_jerk_too_is_within_the_limits_whatever_is_asked_for(seed: int) -> None:
     """The commands' third differences; the change of the rate used to be a step of acceleration."""

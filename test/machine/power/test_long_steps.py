@@ -4,7 +4,7 @@ come to."""
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from test_network import CAPACITOR, IdealSource, bus, imbalance, load
 from test_supercapacitor import BANK, WHEEL, network_of
@@ -56,6 +56,7 @@ def test_a_lone_battery_is_charged_to_full_and_no_further(dt: float) -> None:
     dt=st.sampled_from(LONG),
     light=st.sampled_from([0.0, 150.0]),
 )
+@example(soc=1.0, powers=[1.9e-31], dt=60.0, light=0.0)
 def test_a_lone_bank_gives_its_bus_the_energy_that_it_loses(
     soc: float, powers: list[float], dt: float, light: float
 ) -> None:
@@ -73,7 +74,8 @@ def test_a_lone_bank_gives_its_bus_the_energy_that_it_loses(
     turned = sum(abs(power) * dt for power in powers) + bank.stored_energy(1.0)
     assert lost == pytest.approx(state.stores[0].energy_terminal, abs=1e-6 * turned)
     assert lost == pytest.approx(state.energy.stores, abs=1e-6 * turned)
-    assert imbalance(state) < 1e-9 or turned < 1e-6
+    # what changes no digit of the energy that is stored is not seen to go
+    assert imbalance(state, 1e-16 * turned) < 1e-9 or turned < 1e-6
 
 
 @pytest.mark.parametrize("store", [TIGHT, CAPACITOR, WHEEL, PACK], ids=["to_12_volts", "to_22_volts", "wheel", "pack"])

@@ -71,11 +71,11 @@ def stepped(
     return network.step(state, (1.0,) * len(params.loads), demand, DT)
 
 
-def imbalance(state: NetworkState) -> float:
-    """Energy that is missing, of the largest term [1]."""
+def imbalance(state: NetworkState, least: float = 1e-30) -> float:
+    """Energy that is missing, of the largest term, or of `least` [J] where that is more [1]."""
     energy = state.energy
     terms = energy.sources, energy.stores, -energy.loads, -energy.converters, -energy.shunts
-    return abs(sum(terms)) / max(*map(abs, terms), 1e-30)
+    return abs(sum(terms)) / max(*map(abs, terms), least)
 
 
 STORE_STATES = st.builds(IdealState, source=st.floats(5.0, 40.0), resistance=st.floats(1e-3, 1.0))

@@ -4,7 +4,8 @@ The motion q(T) is run by a clock of its own: dT/dt = r, from 1 (as planned) to 
 (Dahl & Nielsen, IEEE Trans. Robotics and Automation 6(5), 1990)
     qd = r q'(T),   qdd = r^2 q''(T) + dr/dt q'(T),   qddd = r^3 q'''(T) + 3 r dr/dt q''(T) + d2r/dt2 q'(T),
 and what the limits leave beside the motion itself is for changing r. d2r/dt2 is constant over a period. Acceleration is
-looked at `PARTS` times in a period, jerk as the mean between two of them.
+looked at `PARTS` times in a period, jerk as the mean between two of them; and as the motion's own jerk may jump within
+such a part, with that of the part before and of the part after as well.
 
 A change that is allowed now must not lead to where none is: with every choice for a period goes the way in which dr/dt
 then fades, evenly, in a number of periods, and this is looked at to its end. So there is always a way to go on, that of
@@ -113,7 +114,7 @@ def _are_within(
     if not len(seconds):
         return np.zeros(0, dtype=bool)
     part = dt / PARTS
-    times = np.arange(PARTS * (int(fades.max()) + 1) + 1) * part
+    times = np.arange(PARTS * (int(fades.max()) + 1) + 2) * part  # and the part after the last
     first = np.minimum(times, dt)[None, :]
     then = np.clip(times - dt, 0.0, fades[:, None] * dt)
     second = seconds[:, None]
@@ -128,8 +129,22 @@ def _are_within(
     _, velocities, accelerations = motion.states(time.ravel())
     shape = (*time.shape, -1)
     asked = rate[..., None] ** 2 * accelerations.reshape(shape) + change[..., None] * velocities.reshape(shape)
-    jerks = np.abs(np.diff(asked, axis=1)) / part
     over = np.any(np.abs(asked) > limits.acceleration * (1.0 + _SLACK), axis=2)
-    over[:, 1:] |= np.any(jerks > limits.jerk * (1.0 + _SLACK), axis=2)
-    falls = rate < -_SAME
-    return np.asarray(~np.any((over | falls) & ~done, axis=1))
+    earlier = motion.states(np.array([max(clock.time - clock.rate * part, 0.0)]))[2]
+    own = rate[:, 1:, None] ** 2 * np.diff(accelerations.reshape(shape), axis=1) / part
+    own_before = clock.rate**2 * (accelerations[:1] - earlier) / part
+    over[:, 1:] |= _are_over(np.diff(asked, axis=1) / part, own, own_before, limits.jerk * (1.0 + _SLACK))
+    beyond = (rate < -_SAME) | (rate > 1.0 + _SAME)  # a longer fade of less change may well lead further
+    return np.asarray(~np.any((over | beyond) & ~done, axis=1))
+
+
+def _are_over(jerks: FloatArray, own: FloatArray, own_before: FloatArray, limits: FloatArray) -> FloatArray:
+    """Whether the mean jerk (k, parts, n) of each part is over its limit, wherever in it the motion's own jumps.
+
+    Args:
+        own: of it the motion's (k, parts, n). own_before: that of the part before them (1, n).
+    """
+    after = np.diff(own, axis=1, append=own[:, -1:])
+    before = -np.diff(own, axis=1, prepend=np.broadcast_to(own_before, own[:, :1].shape))
+    over = [np.any(np.abs(jerks + jump) > limits, axis=2) for jump in (0.0, after, before)]
+    return np.asarray(over[0] | over[1] | over[2])
