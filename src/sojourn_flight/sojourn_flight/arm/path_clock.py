@@ -144,7 +144,9 @@ def _are_over(jerks: FloatArray, own: FloatArray, own_before: FloatArray, limits
     Args:
         own: of it the motion's (k, parts, n). own_before: that of the part before them (1, n).
     """
-    after = np.diff(own, axis=1, append=own[:, -1:])
-    before = -np.diff(own, axis=1, prepend=np.broadcast_to(own_before, own[:, :1].shape))
-    over = [np.any(np.abs(jerks + jump) > limits, axis=2) for jump in (0.0, after, before)]
-    return np.asarray(over[0] | over[1] | over[2])
+    first = np.broadcast_to(own_before, own[:, :1].shape)
+    jumps = np.diff(np.concatenate((first, own, own[:, -1:]), axis=1), axis=1)
+    after, before = jumps[:, 1:], -jumps[:, :-1]
+    most = jerks + np.maximum(np.maximum(after, before), 0.0)
+    least = jerks + np.minimum(np.minimum(after, before), 0.0)
+    return np.asarray(np.any((most > limits) | (least < -limits), axis=2))
