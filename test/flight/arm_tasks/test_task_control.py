@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from sojourn_config.scenario import load_scenario
@@ -13,6 +13,7 @@ from sojourn_flight.arm.dynamics import rigid_effort
 from sojourn_flight.arm.force_control import ForceControlParams, force_speed, hybrid_velocity, impedance_velocity
 from sojourn_flight.arm.goal_events import ACCEPTED, GoalEvent
 from sojourn_flight.arm.goals import JointGoal, NamedGoal, StopGoal
+from sojourn_flight.arm.jogging import JogCommand
 from sojourn_flight.arm.kinematics import forward_kinematics
 from sojourn_flight.arm.model import build_arm_model
 from sojourn_flight.arm.motion_load import motor_efforts, power_drawn
@@ -46,14 +47,14 @@ class IdealArm:
         self.events: list[GoalEvent] = []
         self.period()
 
-    def period(self, goal: Any = None, task: Any = None) -> None:
+    def period(self, goal: Any = None, task: Any = None, jog: JogCommand | None = None) -> None:
         tip = forward_kinematics(ARM, self.joints)
         self.tips.append(tip.position)
         wrench = self.state.sense.tool_load(ARM, tip, GRAVITY)
         wrench[:3] += sensor_rotation(ARM, tip).T @ self.force
         reason = "" if self.allowed else "a test"
         arm = ArmInput(self.joints, self.rates, GRAVITY, goal, self.allowed, reason, granted=Granted(self.granted))
-        inputs = task_control.TaskInput(arm, task, wrench if self.feels else None)
+        inputs = task_control.TaskInput(arm, task, wrench if self.feels else None, jog=jog)
         self.state, self.said, self.report = task_control.step(PARAMS, ARM, self.state, inputs, DT)
         self.events += self.said.events
         assert np.all(np.abs(self.said.velocities) <= ARM.max_velocity + 1e-9)
@@ -203,6 +204,40 @@ def test_a_task_replaces_a_motion_that_is_paused(arm: IdealArm) -> None:
     assert arm.outcomes[3:] == ["accepted", "failed"], "nothing is met on 5 cm"
 
 
+@pytest.mark.parametrize("name", ["guarded_move", "hold_force"])
+@pytest.mark.parametrize("before", ["goal", "jog"])
+def test_the_way_of_a_task_is_counted_from_where_the_arm_has_come_to_rest(
+    arm: IdealArm, name: str, before: str
+) -> None:
+    """It used to be counted, and its line looked at, from where the moving arm was asked: the stop carries it on."""
+    for period in range(60):
+        if before == "jog":
+            arm.period(jog=JogCommand((0.0, 0.03, 0.0), (0.0, 0.0, 0.0)))
+        else:
+            arm.period(goal=NamedGoal("stow") if period == 0 else None)
+    asked = arm.tips[-1]
+    arm.start(name, preempt=True, distance=0.05, direction="0 0 1", force=30.0)
+    while arm.said.velocities.any() and "rest first" in arm.report.doing.reason:
+        arm.period()
+    begun = forward_kinematics(ARM, arm.joints).position
+    assert np.linalg.norm(begun - asked) > (0.05 if before == "goal" else 0.002)
+    arm.run(30.0)
+    assert arm.report.doing.state == "failed" and "within 50 mm" in arm.report.doing.reason
+    assert arm.tips[-1] - begun == pytest.approx([0.0, 0.0, 0.05], abs=1.5e-3)
+    assert arm.outcomes[-2:] == ["accepted", "failed"] and np.abs(arm.rates).max() < 1e-9
+
+
+def test_a_task_does_not_begin_where_its_line_was_not_looked_at(arm: IdealArm) -> None:
+    arm.period(goal=NamedGoal("stow"))
+    arm.run(1.0)
+    arm.start("guarded_move", preempt=True)
+    held = arm.joints.copy()
+    for _ in range(100):
+        arm.joints = held.copy()  # something holds it
+        arm.period()
+    assert arm.report.doing.state == "failed" and "from where it was to begin" in arm.report.doing.reason
+
+
 @pytest.mark.parametrize(("name", "ends"), [("tare", "reached"), ("weigh", "failed")])
 def test_a_task_that_moves_nothing_stops_the_motion_that_it_replaces(arm: IdealArm, name: str, ends: str) -> None:
     """The arm used to go on to the old goal. Nobody tells the joints' torques here, so that weighing fails at once."""
@@ -235,6 +270,7 @@ _ASKED = ("goal", "bad goal", "stop", "pause", "resume", "stow", "guarded_move",
 
 
 @given(asked=st.lists(st.tuples(st.sampled_from(_ASKED), st.integers(1, 120)), min_size=1, max_size=8))
+@example([("stow", 13), ("goal", 1), ("guarded_move", 1)])
 @settings(max_examples=8, deadline=None)
 def test_every_goal_is_answered_once_and_ends_once_at_most(asked: list[tuple[str, int]]) -> None:
     arm = IdealArm()

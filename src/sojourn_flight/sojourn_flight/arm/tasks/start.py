@@ -17,6 +17,7 @@ from sojourn_flight.arm.model import ArmModel
 from sojourn_flight.arm.params import ArmParams
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.relief import Ground, depth_below
+from sojourn_flight.arm.tasks.at_rest import AtRest
 from sojourn_flight.arm.tasks.dig import DigTask
 from sojourn_flight.arm.tasks.drill import DrillTask
 from sojourn_flight.arm.tasks.dump import DumpTask
@@ -57,7 +58,9 @@ class Beginning:
     params: ArmParams
     model: ArmModel
     posture: FloatArray
-    """Joint positions (n,) [rad or m]."""
+    """Joint positions (n,) in which the arm rests, or will if it is stopped now [rad or m]."""
+    moves: bool
+    """Whether it still moves."""
     feels: bool
     """Whether the wrist's sensor gives its wrench."""
     ground: Ground | None
@@ -106,7 +109,8 @@ def guarded_move(request: GuardedMove, beginning: Beginning) -> Task:
     start = forward_kinematics(model, posture).position
     direction = _direction(model, request.direction, posture)
     check_line(params, model, posture, direction, request.distance, beginning.ground)
-    return GuardedMoveTask(direction, start, request.speed, request.force, request.distance, request.retract, start)
+    speed, way, retract = request.speed, request.distance, request.retract
+    return _from_rest(GuardedMoveTask(direction, start, speed, request.force, way, retract, start), start, beginning)
 
 
 def hold_force(request: HoldForce, beginning: Beginning) -> Task:
@@ -117,7 +121,8 @@ def hold_force(request: HoldForce, beginning: Beginning) -> Task:
     direction = _direction(model, request.direction, posture)
     if request.distance > 0.0:
         check_line(params, model, posture, direction, request.distance, beginning.ground)
-    return HoldForceTask(direction, start, request.force, request.seconds, request.tolerance, request.distance)
+    seconds, tolerance, way = request.seconds, request.tolerance, request.distance
+    return _from_rest(HoldForceTask(direction, start, request.force, seconds, tolerance, way), start, beginning)
 
 
 def dig(request: Dig, beginning: Beginning) -> Task:
@@ -133,7 +138,7 @@ def dig(request: Dig, beginning: Beginning) -> Task:
     begun = reach[_first_below(model, reach, ground, into) - 1]
     end = check_line(params, model, begun, along, request.length, ground, into)[-1]
     check_line(params, model, end, -direction, into, ground, into)
-    return DigTask(
+    task = DigTask(
         direction,
         along,
         request.depth,
@@ -146,6 +151,7 @@ def dig(request: Dig, beginning: Beginning) -> Task:
         begun=start,
         lid=lid.opening,
     )
+    return _from_rest(task, start, beginning)
 
 
 def drill(request: Drill, beginning: Beginning) -> Task:
@@ -160,7 +166,7 @@ def drill(request: Drill, beginning: Beginning) -> Task:
     direction = _direction(model, request.direction, posture)
     into = request.depth
     check_line(beginning.params, model, posture, direction, request.distance + into, beginning.ground, into)
-    return DrillTask(
+    task = DrillTask(
         tool,
         direction,
         request.depth,
@@ -173,6 +179,12 @@ def drill(request: Drill, beginning: Beginning) -> Task:
         touched=start,
         temperature=tool.heat.ambient,
     )
+    return _from_rest(task, start, beginning)
+
+
+def _from_rest(task: Task, place: FloatArray, beginning: Beginning) -> Task:
+    """A task that leads the tip from `place` (3,) [m], where the arm rests."""
+    return AtRest(task, place) if beginning.moves else task
 
 
 def _feels(request: TaskRequest, beginning: Beginning) -> None:

@@ -1,7 +1,7 @@
 """What a task is: a value that looks at the arm at every period, and says what is to be done and how it stands."""
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, Protocol, Self, TypeAlias
+from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 from sojourn_flight.arm.force_control import ForceControlParams
 from sojourn_flight.arm.goals import ArmGoal
@@ -84,5 +84,5 @@ class Doing:
 class Task(Protocol):
     """A task under way. It is called on after it has ended, to hold what it has reached."""
 
-    def advance(self, view: TaskView, dt: float) -> tuple[Self, Doing]:
-        """One period of `dt` [s]."""
+    def advance(self, view: TaskView, dt: float) -> tuple["Task", Doing]:
+        """One period of `dt` [s]: the task that goes on, as a rule itself, and what is to be done."""

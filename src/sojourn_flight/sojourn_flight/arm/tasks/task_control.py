@@ -43,6 +43,7 @@ from sojourn_flight.arm.phases import Moving, Paused, Pausing, Settling, is_busy
 from sojourn_flight.arm.refusal import GoalRefusedError
 from sojourn_flight.arm.state import ArmInput, ArmOutput
 from sojourn_flight.arm.tasks.activity import GuidedTask, Jog, NoTask, PausedTask, RunningTask, motion_of, name_of
+from sojourn_flight.arm.tasks.at_rest import moves, posture_at_rest
 from sojourn_flight.arm.tasks.contact_sense import check_wrench
 from sojourn_flight.arm.tasks.ended import Ended, Released, given_up
 from sojourn_flight.arm.tasks.guided_pace import GuidedPace, next_pace, pace_limits
@@ -167,10 +168,10 @@ def _take_task(
         if under_way and not request.preempt:
             raise GoalRefusedError(f"{request.task}: {under_way} is under way (preempt: true would replace it)")
         refuse_run_away(state.arm.dead)
-        posture = state.arm.reference.position if state.arm.started else inputs.arm.positions
+        posture = posture_at_rest(model, state.arm) if state.arm.started else inputs.arm.positions
         gravity = float(np.linalg.norm(inputs.arm.gravity_in_base))
         feels, ground = inputs.wrench is not None, inputs.arm.ground
-        task = request.begin(Beginning(params, model, posture, feels, ground, state.tool, gravity))
+        task = request.begin(Beginning(params, model, posture, moves(state.arm), feels, ground, state.tool, gravity))
     except GoalRefusedError as error:
         return state, GoalEvent("refused", with_words(str(error), state.arm.dead))
     return replace(state, activity=_doing(request.task, task, Doing(), state.motion)), ACCEPTED
