@@ -21,11 +21,11 @@ def plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 
     def child(role: str, command: list[str], environment: Any, log: Path, hears: bool) -> Child:
         assert command[1:3] == ["-m", "sojourn_bags.standby"] and command[4] == f"attempt {len(made) + 1}"
-        made.append(Child(role, [sys.executable, "-c", WAITING], {}, log, hears))
+        made.append(Child.of_command(role, [sys.executable, "-c", WAITING], {}, log, hears))
         return made[-1]
 
     made: list[Child] = []
-    monkeypatch.setattr(standby, "Child", child)
+    monkeypatch.setattr(standby, "Child", SimpleNamespace(of_command=child))
     monkeypatch.setattr(standby, "environment_of", lambda *_: {})
     yield SimpleNamespace(
         realtime=True, started=("plant", "recorder"), replacements={}, scenario="flat_drive", overrides=(),

@@ -25,7 +25,7 @@ def test_interrupted(number: signal.Signals, start: Callable[..., Program], tmp_
     kind = ["--composed"] if number == signal.SIGTERM else []
     program = start("start", SHORT_RUN, *LONG, *kind, "--domain", domain, "--run-dir", tmp_path / "run")
     program.wait_until(is_running, "the run has begun")
-    assert len(program.processes()) == (1 if kind else 8)
+    assert len(program.processes()) == (1 if kind else 9), "the program, what copies itself, and seven copies"
     program.send(number)
     assert program.wait() == 130
     assert "interrupted" in program.text.splitlines()[-1]

@@ -49,7 +49,7 @@ class ProcessCandidate:
         if ENVIRONMENT_VARIABLE in os.environ:  # the configuration of the run that is replayed
             environment[ENVIRONMENT_VARIABLE] = os.environ[ENVIRONMENT_VARIABLE]
         command = self._words + ros_arguments(parameters, self._namespace, self._renamed)
-        self._child = Child(self.role, command, environment, self._log)
+        self._child = Child.of_command(self.role, command, environment, self._log)
 
     def poll(self) -> None:
         """A process does its own chores."""

@@ -7,9 +7,9 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import IO, Protocol, Self
 
 from sojourn_bringup import child_process
 from sojourn_bringup.plan import RunPlan
@@ -39,23 +39,46 @@ def environment_of(plan: RunPlan, role: str, ros: Mapping[str, str]) -> dict[str
     return own_environment(os.environ, ros)
 
 
+class ChildProcess(Protocol):
+    """What a child needs of its process: `subprocess.Popen` is one, a copy of the fork server another."""
+
+    pid: int
+
+    @property
+    def stdin(self) -> IO[bytes] | None:
+        """Of one that waits for a line."""
+
+    def poll(self) -> int | None:
+        """Exit status, negative for a signal; None while it runs."""
+
+    def wait(self, timeout: float) -> int:
+        """Exit status. Raises subprocess.TimeoutExpired where it still runs after `timeout` [s]."""
+
+
 class Child:
     """A process in a group of its own, so that Ctrl-C reaches us only and what it starts can be stopped with it.
 
     Args:
-        role: row of the process table. command: program and arguments. environment: all of its variables.
-        log: file that takes what it prints; an earlier attempt's text is kept. hears: it waits for a line, see `tell`.
+        role: row of the process table. process: it has begun. log: file that takes what it prints.
     """
 
-    def __init__(
-        self, role: str, command: list[str], environment: Mapping[str, str], log: Path, hears: bool = False
-    ) -> None:
+    def __init__(self, role: str, process: ChildProcess, log: Path) -> None:
         self.role = role
         self.log = log
-        self.started_at = time.monotonic()
+        self._process = process
+
+    @classmethod
+    def of_command(
+        cls, role: str, command: list[str], environment: Mapping[str, str], log: Path, hears: bool = False
+    ) -> Self:
+        """Start a command with these and no other variables; an earlier attempt's text in the log is kept.
+
+        Args:
+            hears: it waits for a line, see `tell`.
+        """
         wrapper = [sys.executable, "-I", "-S", child_process.__file__, str(os.getpid())]
         with log.open("ab") as output:
-            self._process = subprocess.Popen(
+            started = subprocess.Popen(
                 wrapper + command,
                 env=dict(environment),
                 stdin=subprocess.PIPE if hears else subprocess.DEVNULL,
@@ -63,6 +86,7 @@ class Child:
                 stderr=subprocess.STDOUT,
                 process_group=0,
             )
+        return cls(role, started, log)
 
     @property
     def pid(self) -> int:

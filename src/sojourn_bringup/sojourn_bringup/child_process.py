@@ -13,12 +13,17 @@ PR_SET_PDEATHSIG = 1
 COMMAND_NOT_FOUND = 127
 
 
-def main() -> None:
-    """Ask for the signal, look whether the parent still lives, and become the command."""
-    parent, command = int(sys.argv[1]), sys.argv[2:]
+def die_with(parent: int) -> None:
+    """Have this process killed when its parent ends; end it where that has ended already."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:
         sys.exit(1)
+
+
+def main() -> None:
+    """Ask for the signal, look whether the parent still lives, and become the command."""
+    parent, command = int(sys.argv[1]), sys.argv[2:]
+    die_with(parent)
     # Python ignores SIGPIPE, and what is ignored stays ignored over execve
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:

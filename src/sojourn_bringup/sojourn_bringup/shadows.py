@@ -41,7 +41,9 @@ class Shadows:
             words += ["--namespace", plan.namespace] if plan.namespace else []
             words += ["--network"] if plan.on_network else []
             log = plan.run_dir / "logs" / f"shadow_{role}_comparison.log"
-            self._children[role] = Child(f"shadow of {role}", words, own_environment(os.environ, self._ros), log)
+            self._children[role] = Child.of_command(
+                f"shadow of {role}", words, own_environment(os.environ, self._ros), log
+            )
 
     def look(self) -> None:
         """Read the reports, and say what is new: readiness, the first difference, failure."""

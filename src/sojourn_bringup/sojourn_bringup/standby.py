@@ -34,7 +34,7 @@ class Standby:
         given = json.dumps({"scenario": self._plan.scenario, "overrides": list(self._plan.overrides)})
         command = [sys.executable, "-m", "sojourn_bags.standby", given, *self._plan.ros_arguments(ROLE, attempt)]
         log = self._plan.run_dir / "logs" / f"{ROLE}.log"
-        self._child = Child(ROLE, command, environment_of(self._plan, ROLE, self._ros), log, hears=True)
+        self._child = Child.of_command(ROLE, command, environment_of(self._plan, ROLE, self._ros), log, hears=True)
 
     def take(self) -> Child | None:
         """The one that waits, told to begin; None where there is none."""

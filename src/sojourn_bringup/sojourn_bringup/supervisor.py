@@ -6,11 +6,13 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from sojourn_bringup.access import SUPERVISOR
 from sojourn_bringup.child import STOP_S, Child, command_of, environment_of
+from sojourn_bringup.forked import ForkRequest, ForkServer
 from sojourn_bringup.health import DEAD, RESTARTING, STOPPED, Health
 from sojourn_bringup.monitor import Monitor
 from sojourn_bringup.outcome import FAILED, INTERRUPTED, SUCCEEDED, Outcome, RunStopwatch
@@ -22,7 +24,7 @@ from sojourn_bringup.screen import Screen
 from sojourn_bringup.shadows import Shadows
 from sojourn_bringup.standby import ROLE as RECORDER
 from sojourn_bringup.standby import Standby
-from sojourn_config.ros_environment import ros_variables
+from sojourn_config.ros_environment import own_environment, ros_variables
 from sojourn_contract.heartbeat import ENDED
 from sojourn_contract.stamps import NANOSECONDS, seconds
 from sojourn_contract.stop_flag import StopFlag
@@ -57,6 +59,7 @@ class Supervisor:
         self._standby = Standby(plan, self._ros)
         self.stopwatch = RunStopwatch()
         self._logs = plan.run_dir / "logs"
+        self._server: ForkServer | None = None
         self._folder = FolderWatch(plan.run_dir)
         self._checkpoints = checkpoints_of(plan, self.nodes, screen.say)
 
@@ -67,7 +70,8 @@ class Supervisor:
         stop = StopFlag().install()
         signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGINT))
         enclave = self.plan.enclave_arguments(SUPERVISOR)
-        with Monitor(self.plan.namespace, self.nodes, time_of(self.plan), enclave) as self._monitor:
+        monitor = Monitor(self.plan.namespace, self.nodes, time_of(self.plan), enclave)
+        with self._fork_server() as self._server, monitor as self._monitor:
             try:
                 if self._checkpoints is not None:
                     self._checkpoints.join(self._monitor)
@@ -95,21 +99,35 @@ class Supervisor:
         failure = self.shadows.failure()
         return self._outcome(FAILED, failure) if failure else None
 
+    def _fork_server(self) -> AbstractContextManager[ForkServer | None]:
+        """What starts our own nodes; None where that would be one at most."""
+        ours = [role for role in self.plan.started if role not in self.plan.replacements]
+        if len(ours) < 2:
+            return nullcontext()
+        return closing(ForkServer(self.plan, own_environment(os.environ, self._ros), self._logs / "fork_server.log"))
+
     def _start_and_watch(self, stop: StopFlag) -> Outcome:
-        for role in self.nodes:
+        end = time.monotonic() + self.plan.start_timeout_s
+        while self._server is not None and not self._server.is_loaded() and not stop.is_set:
+            self._monitor.spin(LOOK_S)
+            if time.monotonic() > end:
+                return self._outcome(FAILED, f"not loaded within {self.plan.start_timeout_s:g} s (--start-timeout)")
+        for role in () if stop.is_set else self.nodes:
             if role in self.plan.started:
                 self._start(role)
         return self._watch(stop)
 
     def _start(self, role: str) -> None:
-        attempt = self.nodes[role].restarts
-        self.children[role] = Child(
-            role,
-            command_of(self.plan, role, attempt),
-            environment_of(self.plan, role, self._ros),
-            self._logs / f"{role}.log",
-        )
-        self.nodes[role].pid = self.children[role].pid
+        attempt, log = self.nodes[role].restarts, self._logs / f"{role}.log"
+        environment = environment_of(self.plan, role, self._ros)
+        copy = None
+        if self._server is not None and role not in self.plan.replacements:
+            copy = self._server.fork(ForkRequest(role, self.plan.ros_arguments(role, attempt), environment, str(log)))
+        if copy is not None:
+            child = Child(role, copy, log)
+        else:
+            child = Child.of_command(role, command_of(self.plan, role, attempt), environment, log)
+        self.children[role], self.nodes[role].pid = child, child.pid
 
     def _start_again(self, role: str) -> None:
         """In real time; of the recorder the one that waits."""

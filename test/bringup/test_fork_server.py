@@ -1,0 +1,98 @@
+"""Nodes as copies of one process: each a process of its own in name, group, log and end, and none is left behind."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from sojourn_bringup.child import Child
+from sojourn_bringup.forked import ForkRequest, ForkServer
+from sojourn_config.ros_environment import own_environment
+
+LONGEST_S = 300.0
+"""Wall time of what takes seconds on a machine that does nothing else [s]."""
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[ForkServer]:
+    plan: Any = SimpleNamespace(scenario="flat_drive", overrides=())
+    made = ForkServer(plan, own_environment(os.environ, {}), tmp_path / "server.log")
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def node(server: ForkServer, tmp_path: Path) -> Callable[..., Child]:
+    """A node that waits for others of which none comes."""
+
+    def begin(role: str, **parameters: str) -> Child:
+        given = {"scenario": "flat_drive", "participants": "[plant, drive]", **parameters}
+        words = ["--ros-args", *(word for name, value in given.items() for word in ("-p", f"{name}:={value}"))]
+        log = tmp_path / f"{role}.log"
+        environment = own_environment(os.environ, {"SOJOURN_SEEN": role})
+        copy = server.fork(ForkRequest(role, words, environment, str(log)))
+        assert copy is not None
+        return Child(role, copy, log)
+
+    return begin
+
+
+def comes(is_so: Callable[[], bool]) -> bool:
+    """Whether something comes to be so."""
+    until = time.monotonic() + LONGEST_S
+    while not is_so() and time.monotonic() < until:
+        time.sleep(0.02)
+    return is_so()
+
+
+def title_of(child: Child) -> str:
+    """As `ps` shows it."""
+    return Path(f"/proc/{child.pid}/cmdline").read_bytes().replace(b"\0", b" ").decode().strip()
+
+
+def test_each_is_a_process_of_its_own(server: ForkServer, node: Callable[..., Child]) -> None:
+    plant, drive = node("plant"), node("drive")
+    assert len({plant.pid, drive.pid, os.getpid()}) == 3
+    for child in (plant, drive):
+        assert os.getpgid(child.pid) == child.pid
+        assert comes(lambda child=child: title_of(child) == f"sojourn_{child.role}")  # type: ignore[misc]
+        assert child.status is None
+    plant.send(signal.SIGKILL)
+    assert plant.wait(LONGEST_S) and plant.status == -signal.SIGKILL
+    assert plant.how_it_ended() == "was killed by SIGKILL"
+    assert not drive.wait(0.05) and drive.status is None, "the other one goes on"
+    drive.send(signal.SIGSTOP)
+    assert comes(lambda: drive.is_stopped)
+    drive.send(signal.SIGCONT)
+    drive.send(signal.SIGTERM)
+    assert drive.wait(LONGEST_S) and drive.status == 0
+
+
+def test_what_a_node_cannot_read_is_in_its_own_log(node: Callable[..., Child], tmp_path: Path) -> None:
+    wrong = node("drive", scenario="no_such_scenario")
+    assert wrong.wait(LONGEST_S) and wrong.status not in (0, None)
+    assert "no_such_scenario" in wrong.how_it_ended()
+    assert "no_such_scenario" in (tmp_path / "drive.log").read_text()
+
+
+def test_with_their_server_they_end_and_no_more_are_made(server: ForkServer, node: Callable[..., Child]) -> None:
+    plant = node("plant")
+    (parent,) = [line for line in Path(f"/proc/{plant.pid}/status").read_text().splitlines() if "PPid" in line]
+    os.kill(int(parent.split()[1]), signal.SIGKILL)
+    assert plant.wait(LONGEST_S) and plant.status == -signal.SIGKILL
+    assert server.is_gone and server.is_loaded()
+    assert comes(lambda: not Path(f"/proc/{plant.pid}").exists())
+    assert server.fork(ForkRequest("drive", (), {}, os.devnull)) is None
+
+
+def test_it_takes_what_still_runs_with_it(server: ForkServer, node: Callable[..., Child]) -> None:
+    assert comes(server.is_loaded) and not server.is_gone
+    plant = node("plant")
+    server.close()
+    assert comes(lambda: not Path(f"/proc/{plant.pid}").exists())
+    assert plant.status == -signal.SIGKILL
