@@ -55,6 +55,7 @@ DEPENDENCY_OF_MODULE = {
     "ruckig": None,
     "scipy": "python3-scipy",
     "sensor_msgs": "sensor_msgs",
+    "setproctitle": "python3-setproctitle",
     "std_msgs": "std_msgs",
     "trajectory_msgs": "trajectory_msgs",
     "trimesh": None,
