@@ -34,8 +34,7 @@ def node(server: ForkServer, tmp_path: Path) -> Callable[..., Child]:
         given = {"scenario": "flat_drive", "participants": "[plant, drive]", **parameters}
         words = ["--ros-args", *(word for name, value in given.items() for word in ("-p", f"{name}:={value}"))]
         log = tmp_path / f"{role}.log"
-        environment = own_environment(os.environ, {"SOJOURN_SEEN": role})
-        copy = server.fork(ForkRequest(role, words, environment, str(log)))
+        copy = server.fork(ForkRequest(role, words, str(log)))
         assert copy is not None
         return Child(role, copy, log)
 
@@ -87,7 +86,7 @@ def test_with_their_server_they_end_and_no_more_are_made(server: ForkServer, nod
     assert plant.wait(LONGEST_S) and plant.status == -signal.SIGKILL
     assert server.is_gone and server.is_loaded()
     assert comes(lambda: not Path(f"/proc/{plant.pid}").exists())
-    assert server.fork(ForkRequest("drive", (), {}, os.devnull)) is None
+    assert server.fork(ForkRequest("drive", (), os.devnull)) is None
 
 
 def test_it_takes_what_still_runs_with_it(server: ForkServer, node: Callable[..., Child]) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Protocol, Self
 
-from sojourn_bringup import child_process
+from sojourn_bringup.child_process import dying_with_us
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.process_memory import memory_mb
 from sojourn_bringup.process_table import process
@@ -76,10 +76,9 @@ class Child:
         Args:
             hears: it waits for a line, see `tell`.
         """
-        wrapper = [sys.executable, "-I", "-S", child_process.__file__, str(os.getpid())]
         with log.open("ab") as output:
             started = subprocess.Popen(
-                wrapper + command,
+                dying_with_us(command),
                 env=dict(environment),
                 stdin=subprocess.PIPE if hears else subprocess.DEVNULL,
                 stdout=output,

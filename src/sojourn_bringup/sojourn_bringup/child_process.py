@@ -13,6 +13,11 @@ PR_SET_PDEATHSIG = 1
 COMMAND_NOT_FOUND = 127
 
 
+def dying_with_us(command: list[str]) -> list[str]:
+    """The command that becomes `command`, and dies with this process."""
+    return [sys.executable, "-I", "-S", __file__, str(os.getpid()), *command]
+
+
 def die_with(parent: int) -> None:
     """Have this process killed when its parent ends; end it where that has ended already."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)

@@ -4,13 +4,12 @@
 
 Loading libraries and reading the run's files takes a node longer than all else at its start, and is the same for each.
 This process does it once, runs nothing, and makes a copy of itself for every request that comes over the socket FD
-(`forked.py`). The copy becomes the node of a role, with arguments, variables and a log of its own, as if it had been
+(`forked.py`). The copy becomes the node of a role, with a group, arguments and a log of its own, as if it had been
 started by itself. It tells of each end with its status.
 
 Nothing of ROS is loaded here: its library starts threads, which a copy would not have.
 """
 
-import gc
 import os
 import select
 import signal
@@ -24,7 +23,7 @@ from setproctitle import setproctitle
 from sojourn_bringup.child_process import die_with
 from sojourn_bringup.forked import LONGEST, ForkRequest, read_request, told_of
 from sojourn_bringup.process_table import process
-from sojourn_config.collector import collect_seldom
+from sojourn_config.collector import collect_seldom, settle_collector
 
 os.environ["SPT_NOENV"] = "1"  # a title is written over the arguments alone, not over the variables
 
@@ -32,15 +31,14 @@ os.environ["SPT_NOENV"] = "1"  # a title is written over the arguments alone, no
 def main() -> None:
     """Load, and serve until the socket is closed; in a copy, be the node."""
     connection, (scenario, *overrides) = socket.socket(fileno=int(sys.argv[1])), sys.argv[2:]
-    setproctitle("sojourn_fork_server")  # it finds where to write now, before the variables are moved
+    setproctitle("sojourn_fork_server")
     collect_seldom()
     with suppress(Exception):  # the copies will say it, in their own logs
         import sojourn_stack.apps  # noqa: F401 - not above, where nothing could be said
         from sojourn_config.scenario import load_scenario
 
         load_scenario(scenario, overrides)
-    gc.collect()
-    gc.freeze()  # what is never looked at again stays shared between the copies
+    settle_collector()  # what is never looked at again stays shared between the copies
     connection.send(told_of(loaded=1))
     request = serve(connection)
     if request is not None:
@@ -73,18 +71,14 @@ def serve(connection: socket.socket) -> ForkRequest | None:
                     os.close(other)
                 die_with(parent)
                 return read_request(text)
-            with suppress(OSError):  # as the copy does itself: whoever is first
-                os.setpgid(pid, pid)
+            os.setpgid(pid, pid)  # before it is told of, or a signal to its group would find none
             running[watched := os.pidfd_open(pid)] = pid
             poll.register(watched, select.POLLIN)
             connection.send(told_of(begun=pid))
 
 
 def become(request: ForkRequest) -> None:
-    """Be the node, in a group of its own. Ends this process."""
-    os.setpgid(0, 0)
-    os.environ.clear()
-    os.environ.update(request.environment)
+    """Be the node. Ends this process."""
     for number, file, how in ((0, os.devnull, os.O_RDONLY), (1, request.log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)):
         descriptor = os.open(file, how, 0o666)
         os.dup2(descriptor, number)

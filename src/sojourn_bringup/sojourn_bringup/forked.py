@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import os
 import select
 import socket
 import subprocess
@@ -12,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from sojourn_bringup import child_process
+from sojourn_bringup.child_process import dying_with_us
 from sojourn_bringup.plan import RunPlan
 
 LONGEST = 1 << 17
@@ -26,13 +25,11 @@ class ForkRequest:
     """What a copy is to become.
 
     Args:
-        role: row of the process table. arguments: of its program. environment: all of its variables.
-        log: file that takes what it prints.
+        role: row of the process table. arguments: of its program. log: file that takes what it prints.
     """
 
     role: str
     arguments: Sequence[str]
-    environment: Mapping[str, str]
     log: str
 
 
@@ -52,7 +49,7 @@ class ForkServer:
     """A process that has loaded what the nodes of a run need; it ends with this one.
 
     Args:
-        plan: the run. environment: what the libraries see when they are loaded. log: takes what it prints itself.
+        plan: the run. environment: all variables, its own and those of the nodes. log: takes what it prints itself.
     """
 
     def __init__(self, plan: RunPlan, environment: Mapping[str, str], log: Path) -> None:
@@ -62,11 +59,10 @@ class ForkServer:
         self._is_loaded = False
         self.is_gone = False
         """It has ended, by itself or by `close`: it makes no more copies, and all that it has made are killed."""
-        wrapper = [sys.executable, "-I", "-S", child_process.__file__, str(os.getpid())]
         with theirs, log.open("ab") as output:
             program = [sys.executable, "-m", "sojourn_bringup.fork_server", str(theirs.fileno())]
             self._process = subprocess.Popen(
-                [*wrapper, *program, plan.scenario, *plan.overrides],
+                dying_with_us([*program, plan.scenario, *plan.overrides]),
                 env=dict(environment),
                 stdin=subprocess.DEVNULL,
                 stdout=output,

@@ -119,13 +119,13 @@ class Supervisor:
 
     def _start(self, role: str) -> None:
         attempt, log = self.nodes[role].restarts, self._logs / f"{role}.log"
-        environment = environment_of(self.plan, role, self._ros)
         copy = None
         if self._server is not None and role not in self.plan.replacements:
-            copy = self._server.fork(ForkRequest(role, self.plan.ros_arguments(role, attempt), environment, str(log)))
+            copy = self._server.fork(ForkRequest(role, self.plan.ros_arguments(role, attempt), str(log)))
         if copy is not None:
             child = Child(role, copy, log)
         else:
+            environment = environment_of(self.plan, role, self._ros)
             child = Child.of_command(role, command_of(self.plan, role, attempt), environment, log)
         self.children[role], self.nodes[role].pid = child, child.pid
 
