@@ -15,7 +15,7 @@ sojourn_say() { printf 'sojourn: %s\n' "$*" >&2; }
 if [ -z "${SOJOURN_OUTER:-}" ]; then
     sojourn_outermost=yes
     export SOJOURN_OUTER="LD_LIBRARY_PATH PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH COLCON_PREFIX_PATH CMAKE_PREFIX_PATH \
-ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE"
+ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE PYTHONDONTWRITEBYTECODE"
     for name in $SOJOURN_OUTER; do
         if [ -n "${!name+set}" ]; then export "SOJOURN_OUTER_$name=${!name}"; fi
     done
@@ -48,6 +48,9 @@ else
     export RMW_IMPLEMENTATION=rmw_fastrtps_cpp # the only one among the wheels
     unset kept directory directories
 fi
+
+# Containers set it: each process of a run would compile all our modules anew.
+unset PYTHONDONTWRITEBYTECODE
 
 # What each step of the set-up was done for; a step is up to date where its stamp says the same.
 sojourn_fingerprint() {

@@ -4,6 +4,8 @@ import os
 import subprocess
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 SHOW = '. scripts/lib/environment.sh; printf "ros=%s\\nvenv=%s\\n" "$sojourn_ros" "${sojourn_venv##*/}"; env'
 
@@ -83,3 +85,16 @@ def test_inner_call_keeps_what_was_outside(tmp_path: Path) -> None:
     assert after["SOJOURN_OUTER_ROS_DISTRO"] == "humble"
     assert "SOJOURN_OUTER_LD_LIBRARY_PATH" not in after
     assert told == ""
+
+
+@pytest.mark.parametrize("ros", ["wheels", "jazzy"])
+def test_a_container_that_keeps_no_compiled_modules_is_overruled_and_others_get_it_back(
+    tmp_path: Path, ros: str
+) -> None:
+    """Every process of a run would compile all our modules again, which takes a tenth of its start."""
+    sourced = {"ROS_DISTRO": "jazzy", "AMENT_PREFIX_PATH": "/opt/ros/jazzy"} if ros == "jazzy" else {}
+    after, _ = environment_after(tmp_path, rclpy=ros == "jazzy", PYTHONDONTWRITEBYTECODE="1", **sourced)
+    assert after["venv"] == (".venv-ros" if ros == "jazzy" else ".venv")
+    assert "PYTHONDONTWRITEBYTECODE" not in after
+    assert "PYTHONDONTWRITEBYTECODE" in after["SOJOURN_OUTER"].split()
+    assert after["SOJOURN_OUTER_PYTHONDONTWRITEBYTECODE"] == "1"
