@@ -2,16 +2,19 @@
 
 import os
 import signal
+import subprocess
+import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
+from copied import new_fork_server
 from sojourn_bringup.child import Child
 from sojourn_bringup.forked import ForkRequest, ForkServer
+from sojourn_bringup.process_table import process
 from sojourn_config.ros_environment import own_environment
 
 LONGEST_S = 300.0
@@ -20,8 +23,7 @@ LONGEST_S = 300.0
 
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[ForkServer]:
-    plan: Any = SimpleNamespace(scenario="flat_drive", overrides=())
-    made = ForkServer(plan, own_environment(os.environ, {}), tmp_path / "server.log")
+    made = new_fork_server(tmp_path / "server.log", own_environment(os.environ, {}))
     yield made
     made.close()
 
@@ -34,7 +36,8 @@ def node(server: ForkServer, tmp_path: Path) -> Callable[..., Child]:
         given = {"scenario": "flat_drive", "participants": "[plant, drive]", **parameters}
         words = ["--ros-args", *(word for name, value in given.items() for word in ("-p", f"{name}:={value}"))]
         log = tmp_path / f"{role}.log"
-        copy = server.fork(ForkRequest(role, words, str(log)))
+        environment = own_environment(os.environ, {})
+        copy = server.fork(ForkRequest(process(role).module, words, str(log), environment, title=f"sojourn_{role}"))
         assert copy is not None
         return Child(role, copy, log)
 
@@ -54,6 +57,12 @@ def title_of(child: Child) -> str:
     return Path(f"/proc/{child.pid}/cmdline").read_bytes().replace(b"\0", b" ").decode().strip()
 
 
+def handles(child: Child, number: signal.Signals) -> bool:
+    """Whether it has begun to take a signal itself (proc(5), SigCgt)."""
+    (caught,) = [line for line in Path(f"/proc/{child.pid}/status").read_text().splitlines() if "SigCgt" in line]
+    return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
+
+
 def test_each_is_a_process_of_its_own(server: ForkServer, node: Callable[..., Child]) -> None:
     plant, drive = node("plant"), node("drive")
     assert len({plant.pid, drive.pid, os.getpid()}) == 3
@@ -68,6 +77,7 @@ def test_each_is_a_process_of_its_own(server: ForkServer, node: Callable[..., Ch
     drive.send(signal.SIGSTOP)
     assert comes(lambda: drive.is_stopped)
     drive.send(signal.SIGCONT)
+    assert comes(lambda: handles(drive, signal.SIGTERM))
     drive.send(signal.SIGTERM)
     assert drive.wait(LONGEST_S) and drive.status == 0
 
@@ -86,7 +96,7 @@ def test_with_their_server_they_end_and_no_more_are_made(server: ForkServer, nod
     assert plant.wait(LONGEST_S) and plant.status == -signal.SIGKILL
     assert server.is_gone and server.is_loaded()
     assert comes(lambda: not Path(f"/proc/{plant.pid}").exists())
-    assert server.fork(ForkRequest("drive", (), os.devnull)) is None
+    assert server.fork(ForkRequest("sojourn_drive", (), os.devnull, {})) is None
 
 
 def test_it_takes_what_still_runs_with_it(server: ForkServer, node: Callable[..., Child]) -> None:
@@ -95,3 +105,49 @@ def test_it_takes_what_still_runs_with_it(server: ForkServer, node: Callable[...
     server.close()
     assert comes(lambda: not Path(f"/proc/{plant.pid}").exists())
     assert plant.status == -signal.SIGKILL
+
+
+def test_a_process_with_threads_is_not_copied(tmp_path: Path) -> None:
+    done = threading.Event()
+    other = threading.Thread(target=done.wait)
+    other.start()
+    try:
+        with pytest.raises(RuntimeError, match="threads in the process that is to be copied: allowed is one"):
+            ForkServer.of_this_process(tmp_path / "server.log")
+    finally:
+        done.set()
+        other.join()
+
+
+SAYS = """
+import os, sys
+from pathlib import Path
+from sojourn_bringup.forked import ForkRequest, ForkServer
+
+print("begun", flush=False)
+server = ForkServer.of_this_process(Path(sys.argv[1]) / "logs" / "server.log")
+asked = ForkRequest("spoken", ("word",), str(Path(sys.argv[1]) / "copy.log"), {"PLACE": "here"})
+ends = []
+try:
+    copy = server.fork(asked)
+    ends.append(copy.wait(300.0))
+finally:
+    server.close()
+print("ended with", *ends)
+"""
+SPOKEN = """
+import os, sys
+print(sys.argv[1:], dict(os.environ))
+sys.exit("that is all")
+"""
+
+
+def test_what_is_copied_goes_on_and_prints_nothing_twice(tmp_path: Path) -> None:
+    (tmp_path / "spoken.py").write_text(SPOKEN, encoding="utf-8")
+    run = subprocess.run(
+        [sys.executable, "-c", SAYS, str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (run.returncode, run.stdout, run.stderr) == (0, "begun\nended with 1\n", "")
+    assert (tmp_path / "copy.log").read_text() == "['word'] {'PLACE': 'here'}\nthat is all\n"
+    assert (tmp_path / "logs" / "server.log").read_text() == ""

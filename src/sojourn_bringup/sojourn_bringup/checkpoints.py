@@ -16,7 +16,7 @@ from sojourn_bringup.plan import RunPlan
 from sojourn_config.command_errors import UsageError
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.checkpoint_times import EvenTimes
-from sojourn_contract.role_state import RoleState
+from sojourn_contract.role_state import ForeignState, RoleState
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.state_tree import CheckpointError
@@ -146,6 +146,19 @@ def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
     if unlike:
         raise UsageError(f"{file}: with these values the run would have another state ({unlike})")
     return Resumption(branched, origin.participants, state)
+
+
+def what_keeps_from_resuming(state: StackState, replaced: Mapping[str, str]) -> str:
+    """Why a state cannot be gone on from with these roles replaced, in words: each has to go back to a node of the kind
+    that it is of; "" where it can.
+    """
+    for role, one in state.roles.items():
+        is_foreign = isinstance(one.app, ForeignState)
+        if is_foreign and role not in replaced:
+            return f"it has the state of a {role} of others: allowed is --processes --replace {role}=COMMAND with it"
+        if role in replaced and not is_foreign:
+            return f"it has the state of our own {role}, which no node of others can read: allowed is none in its place"
+    return ""
 
 
 def _digests(loaded: LoadedScenario) -> dict[str, str]:

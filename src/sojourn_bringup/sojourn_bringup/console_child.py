@@ -37,7 +37,7 @@ class ConsoleChild:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            start_new_session=True,  # Ctrl-C is for the run, which then ends it
+            process_group=0,  # Ctrl-C is for the run, which then ends it
         )
         self._teller = threading.Thread(target=self._tell, daemon=True)
         self._teller.start()

@@ -1,13 +1,12 @@
 """Our own nodes as copies of one process that has loaded what they share.
 
-    python -m sojourn_bringup.fork_server FD SCENARIO [OVERRIDE ...]
+Loading libraries takes a node longer than all else at its start, and is the same for each. The fork server is a copy of
+the process that starts the run, which has loaded most of them to check its plan. It runs nothing, and makes a copy of
+itself for every request that comes over a socket (`forked.py`). That copy becomes the node of a role, with a group,
+arguments, variables and a log of its own, as if it had been started by itself. The server tells of each end with its
+status.
 
-Loading libraries and reading the run's files takes a node longer than all else at its start, and is the same for each.
-This process does it once, runs nothing, and makes a copy of itself for every request that comes over the socket FD
-(`forked.py`). The copy becomes the node of a role, with a group, arguments and a log of its own, as if it had been
-started by itself. It tells of each end with its status.
-
-Nothing of ROS is loaded here: its library starts threads, which a copy would not have.
+Nothing of ROS is loaded before a copy is made: its library starts threads, which a copy would not have.
 """
 
 import os
@@ -15,38 +14,56 @@ import select
 import signal
 import socket
 import sys
+import traceback
 from contextlib import suppress
-from importlib import import_module
+from pathlib import Path
+from runpy import run_module
+from typing import NoReturn
 
 from setproctitle import setproctitle
 
 from sojourn_bringup.child_process import die_with
 from sojourn_bringup.forked import LONGEST, ForkRequest, read_request, told_of
-from sojourn_bringup.process_table import process
-from sojourn_config.collector import collect_seldom, settle_collector
+from sojourn_config.collector import settle_collector
 
 os.environ["SPT_NOENV"] = "1"  # a title is written over the arguments alone, not over the variables
 
 
-def main() -> None:
-    """Load, and serve until the socket is closed; in a copy, be the node."""
-    connection, (scenario, *overrides) = socket.socket(fileno=int(sys.argv[1])), sys.argv[2:]
-    setproctitle("sojourn_fork_server")
-    collect_seldom()
-    with suppress(Exception):  # the copies will say it, in their own logs
-        import sojourn_stack.apps  # noqa: F401 - not above, where nothing could be said
-        from sojourn_config.scenario import load_scenario
+def be_server(connection: socket.socket, parent: int, log: Path) -> NoReturn:
+    """Be the server, in a process of which this is a copy, until the connection is closed; and in each copy, its node.
 
-        load_scenario(scenario, overrides)
+    Nothing of what the process before the copy has begun is ended here: neither its files nor its blocks.
+
+    Args:
+        connection: requests come over it. parent: the process that is copied; both end with it. log: takes what is
+            printed.
+    """
+    status = 1
+    try:
+        die_with(parent)
+        os.setpgid(0, 0)
+        print_into(str(log))
+        setproctitle("sojourn_fork_server")
+        with suppress(Exception):  # the copies will say it, in their own logs
+            import sojourn_stack.apps  # noqa: F401 - not above, where nothing could be said
+        serve(connection)
+        status = 0
+    except SystemExit as end:
+        status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+
+
+def serve(connection: socket.socket) -> None:
+    """Make copies, until the other end is closed; in a copy: run what it is to be, and return when that has ended."""
     settle_collector()  # what is never looked at again stays shared between the copies
     connection.send(told_of(loaded=1))
-    request = serve(connection)
-    if request is not None:
-        become(request)
-
-
-def serve(connection: socket.socket) -> ForkRequest | None:
-    """Make copies, until the other end is closed: then None. In a copy: what it is to become."""
     running: dict[int, int] = {}
     """Process by the descriptor that tells of its end."""
     poll = select.poll()
@@ -62,35 +79,42 @@ def serve(connection: socket.socket) -> ForkRequest | None:
                 continue
             text = connection.recv(LONGEST)
             if not text:
-                return None
-            parent = os.getpid()
+                return
+            request, parent = read_request(text), os.getpid()
             pid = os.fork()
             if pid == 0:
                 connection.close()
                 for other in running:
                     os.close(other)
                 die_with(parent)
-                return read_request(text)
-            os.setpgid(pid, pid)  # before it is told of, or a signal to its group would find none
+                become(request)
+                return
+            if not request.in_own_session:
+                os.setpgid(pid, pid)  # before it is told of, or a signal to its group would find none
             running[watched := os.pidfd_open(pid)] = pid
             poll.register(watched, select.POLLIN)
             connection.send(told_of(begun=pid))
 
 
 def become(request: ForkRequest) -> None:
-    """Be the node. Ends this process."""
-    for number, file, how in ((0, os.devnull, os.O_RDONLY), (1, request.log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)):
+    """Be the program. Returns, or raises SystemExit, as it does."""
+    if request.in_own_session:
+        os.setsid()
+    print_into(request.log)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.clear()
+    os.environ.update(request.environment)
+    sys.argv = [request.module, *request.arguments]
+    if request.title:
+        setproctitle(request.title)
+    run_module(request.module, run_name="__main__", alter_sys=True)
+
+
+def print_into(log: str) -> None:
+    """From here on nothing is read, and all that is printed is added to a file at once."""
+    for number, file, how in ((0, os.devnull, os.O_RDONLY), (1, log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)):
         descriptor = os.open(file, how, 0o666)
         os.dup2(descriptor, number)
         os.close(descriptor)
     os.dup2(1, 2)
     sys.stdout.reconfigure(write_through=True)  # type: ignore[union-attr]
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    module = import_module(process(request.role).node_class.partition(":")[0])
-    sys.argv = [str(module.__file__), *request.arguments]
-    setproctitle(f"sojourn_{request.role}")  # the log of ROS has this name, too: no more than a word
-    module.main()
-
-
-if __name__ == "__main__":
-    main()

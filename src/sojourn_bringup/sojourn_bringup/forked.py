@@ -2,7 +2,9 @@
 
 import contextlib
 import json
+import os
 import select
+import signal
 import socket
 import subprocess
 import sys
@@ -10,14 +12,16 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Self
 
-from sojourn_bringup.child_process import dying_with_us
 from sojourn_bringup.plan import RunPlan
 
 LONGEST = 1 << 17
 """Of a message on the socket [bytes]."""
 KILLED = -9
 """Status of a copy whose fork server has ended: it is killed then."""
+CLOSE_S = 5.0
+"""Wall time that the server has to end."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +29,17 @@ class ForkRequest:
     """What a copy is to become.
 
     Args:
-        role: row of the process table. arguments: of its program. log: file that takes what it prints.
+        module: run as `python -m MODULE`. arguments: of it. log: file that takes what it prints.
+        environment: all its variables. title: its name in `ps`, one word, since the log of ROS has that name, too;
+            empty: as the server's. in_own_session: not only in a group of its own.
     """
 
-    role: str
+    module: str
     arguments: Sequence[str]
     log: str
+    environment: Mapping[str, str]
+    title: str = ""
+    in_own_session: bool = False
 
 
 def read_request(text: bytes) -> ForkRequest:
@@ -46,30 +55,41 @@ def told_of(**what: int) -> bytes:
 
 
 class ForkServer:
-    """A process that has loaded what the nodes of a run need; it ends with this one.
+    """A process that has loaded what the nodes of a run need.
 
     Args:
-        plan: the run. environment: all variables, its own and those of the nodes. log: takes what it prints itself.
+        connection: our end of its socket. pid: its process, a child of this one.
     """
 
-    def __init__(self, plan: RunPlan, environment: Mapping[str, str], log: Path) -> None:
-        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._socket = ours
+    def __init__(self, connection: socket.socket, pid: int) -> None:
+        self._socket, self._pid = connection, pid
         self._ended: dict[int, int] = {}
         self._is_loaded = False
         self.is_gone = False
         """It has ended, by itself or by `close`: it makes no more copies, and all that it has made are killed."""
-        with theirs, log.open("ab") as output:
-            program = [sys.executable, "-m", "sojourn_bringup.fork_server", str(theirs.fileno())]
-            self._process = subprocess.Popen(
-                dying_with_us([*program, plan.scenario, *plan.overrides]),
-                env=dict(environment),
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                pass_fds=(theirs.fileno(),),
-                process_group=0,
-            )
+
+    @classmethod
+    def of_this_process(cls, log: Path) -> Self:
+        """One that begins as a copy of this process, and ends with it.
+
+        Raises:
+            RuntimeError: this process has other threads, which a copy would not have.
+        """
+        if (threads := threads_here()) > 1:
+            raise RuntimeError(f"{threads} threads in the process that is to be copied: allowed is one")
+        from sojourn_bringup.fork_server import be_server  # not above: it needs this module
+
+        log.parent.mkdir(exist_ok=True)
+        sys.stdout.flush()  # or the copy would print it, too
+        sys.stderr.flush()
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        parent = os.getpid()
+        with theirs:
+            pid = os.fork()
+            if pid == 0:
+                ours.close()
+                be_server(theirs, parent, log)
+        return cls(ours, pid)
 
     def is_loaded(self) -> bool:
         """Whether it makes copies at once; or none, as it has ended."""
@@ -95,13 +115,16 @@ class ForkServer:
         return self._ended.get(pid, KILLED if self.is_gone else None)
 
     def close(self) -> None:
-        """Let it end, and with it whatever still runs."""
+        """Let it end, and with it whatever still runs; once done, it changes nothing more."""
+        if self._socket.fileno() < 0:
+            return
         self._socket.close()
         self.is_gone = True
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(5.0)
-        self._process.kill()
-        self._process.wait()
+        watched = os.pidfd_open(self._pid)
+        if not select.select([watched], [], [], CLOSE_S)[0]:
+            os.kill(self._pid, signal.SIGKILL)
+        os.close(watched)
+        os.waitpid(self._pid, 0)
 
     def _hear(self, seconds: float | None) -> dict[str, int] | None:
         """The next message within so many seconds (None: whenever it comes), or None. Ends are noted."""
@@ -137,3 +160,18 @@ class ForkedProcess:
         if status is None:
             raise subprocess.TimeoutExpired([f"process {self.pid}"], timeout)
         return status
+
+
+def threads_here() -> int:
+    """How many this process has, those of libraries too."""
+    return len(os.listdir("/proc/self/task"))
+
+
+def fork_server_for(plan: RunPlan) -> contextlib.AbstractContextManager[ForkServer | None]:
+    """What starts the nodes of a run that are ours. None where that would be one at most, or where a library of
+    somebody else has begun threads here: then each starts by itself.
+    """
+    ours = [role for role in plan.started if role not in plan.replacements]
+    if len(ours) < 2 or threads_here() > 1:
+        return contextlib.nullcontext()
+    return contextlib.closing(ForkServer.of_this_process(plan.run_dir / "logs" / "fork_server.log"))

@@ -141,16 +141,3 @@ class ProcessCheckpoints:
 
     def _goes_on(self, node: Health, stamp: int) -> bool:
         return node.values.get(RESUMED) == str(stamp) or node.stamp > 0
-
-
-def what_keeps_from_resuming(state: StackState, replaced: Mapping[str, str]) -> str:
-    """Why a state cannot be gone on from with these roles replaced, in words: each has to go back to a node of the kind
-    that it is of; "" where it can.
-    """
-    for role, one in state.roles.items():
-        is_foreign = isinstance(one.app, ForeignState)
-        if is_foreign and role not in replaced:
-            return f"it has the state of a {role} of others: allowed is --processes --replace {role}=COMMAND with it"
-        if role in replaced and not is_foreign:
-            return f"it has the state of our own {role}, which no node of others can read: allowed is none in its place"
-    return ""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from sojourn_bringup.console_child import ConsoleChild
 from sojourn_bringup.ending import last_words
+from sojourn_bringup.forked import fork_server_for
 from sojourn_bringup.instance import RoleTokens
 from sojourn_bringup.outcome import Outcome
 from sojourn_bringup.plan import RunPlan, check_lockstep, replacement_of
@@ -79,7 +80,7 @@ def make_plan(given: argparse.Namespace, screen: Screen) -> RunPlan:
         option = f"--{layout}"
         raise UsageError(f"{option} runs every role in one process: it does not go with --replace, --shadow or --only")
     if resumed is not None:
-        from sojourn_bringup.process_checkpoints import what_keeps_from_resuming  # not above: it needs all roles
+        from sojourn_bringup.checkpoints import what_keeps_from_resuming  # not above: it needs all roles
 
         if reason := what_keeps_from_resuming(resumed.state, replacements):
             raise UsageError(f"{given.resume or given.from_bag}: {reason}")
@@ -212,7 +213,9 @@ def run_plan(plan: RunPlan, layout: Layout, screen: Screen, with_console: bool =
             with screen:
                 return DirectRun(plan, screen).run()
         console = ConsoleChild(plan, screen) if with_console else nullcontext()
-        with RoleTokens(plan.domain, plan.namespace, plan.started), screen, console:
+        # first of all: it is a copy of this process, and is to hold nothing of what is opened here
+        copies = fork_server_for(plan) if layout == "processes" else nullcontext()
+        with copies as server, RoleTokens(plan.domain, plan.namespace, plan.started), screen, console:
             if layout == "composed":
                 from sojourn_bringup.composed import ComposedRun
 
@@ -220,7 +223,7 @@ def run_plan(plan: RunPlan, layout: Layout, screen: Screen, with_console: bool =
             from sojourn_bringup.supervisor import Supervisor
 
             security = make_keystore(plan, table_of(plan.loaded)) if plan.secure and plan.loaded is not None else {}
-            return Supervisor(plan, screen, security).run()
+            return Supervisor(plan, screen, server, security).run()
     finally:
         remove_tracing_files()
 

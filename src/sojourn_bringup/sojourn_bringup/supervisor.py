@@ -6,7 +6,6 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -24,7 +23,7 @@ from sojourn_bringup.screen import Screen
 from sojourn_bringup.shadows import Shadows
 from sojourn_bringup.standby import ROLE as RECORDER
 from sojourn_bringup.standby import Standby
-from sojourn_config.ros_environment import own_environment, ros_variables
+from sojourn_config.ros_environment import ros_variables
 from sojourn_contract.heartbeat import ENDED
 from sojourn_contract.stamps import NANOSECONDS, seconds
 from sojourn_contract.stop_flag import StopFlag
@@ -43,10 +42,17 @@ class Supervisor:
     """One run as processes.
 
     Args:
-        plan: the run. screen: where to show it. security: variables of a run that is secured, see `secure`.
+        plan: the run. screen: where to show it. server: makes the nodes that are ours, as copies of itself; without
+        one each starts by itself. security: variables of a run that is secured, see `secure`.
     """
 
-    def __init__(self, plan: RunPlan, screen: Screen, security: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        plan: RunPlan,
+        screen: Screen,
+        server: ForkServer | None = None,
+        security: Mapping[str, str] | None = None,
+    ) -> None:
         self.plan = plan
         self.screen = screen
         self.nodes = {role: Health(role) for role in reversed(plan.in_order_of_stop())}
@@ -59,7 +65,7 @@ class Supervisor:
         self._standby = Standby(plan, self._ros)
         self.stopwatch = RunStopwatch()
         self._logs = plan.run_dir / "logs"
-        self._server: ForkServer | None = None
+        self._server = server
         self._folder = FolderWatch(plan.run_dir)
         self._checkpoints = checkpoints_of(plan, self.nodes, screen.say)
 
@@ -71,7 +77,7 @@ class Supervisor:
         signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGINT))
         enclave = self.plan.enclave_arguments(SUPERVISOR)
         monitor = Monitor(self.plan.namespace, self.nodes, time_of(self.plan), enclave)
-        with self._fork_server() as self._server, monitor as self._monitor:
+        with monitor as self._monitor:
             try:
                 if self._checkpoints is not None:
                     self._checkpoints.join(self._monitor)
@@ -99,13 +105,6 @@ class Supervisor:
         failure = self.shadows.failure()
         return self._outcome(FAILED, failure) if failure else None
 
-    def _fork_server(self) -> AbstractContextManager[ForkServer | None]:
-        """What starts our own nodes; None where that would be one at most."""
-        ours = [role for role in self.plan.started if role not in self.plan.replacements]
-        if len(ours) < 2:
-            return nullcontext()
-        return closing(ForkServer(self.plan, own_environment(os.environ, self._ros), self._logs / "fork_server.log"))
-
     def _start_and_watch(self, stop: StopFlag) -> Outcome:
         end = time.monotonic() + self.plan.start_timeout_s
         while self._server is not None and not self._server.is_loaded() and not stop.is_set:
@@ -119,13 +118,15 @@ class Supervisor:
 
     def _start(self, role: str) -> None:
         attempt, log = self.nodes[role].restarts, self._logs / f"{role}.log"
+        environment = environment_of(self.plan, role, self._ros)
         copy = None
         if self._server is not None and role not in self.plan.replacements:
-            copy = self._server.fork(ForkRequest(role, self.plan.ros_arguments(role, attempt), str(log)))
+            arguments = self.plan.ros_arguments(role, attempt)
+            request = ForkRequest(process(role).module, arguments, str(log), environment, title=f"sojourn_{role}")
+            copy = self._server.fork(request)
         if copy is not None:
             child = Child(role, copy, log)
         else:
-            environment = environment_of(self.plan, role, self._ros)
             child = Child.of_command(role, command_of(self.plan, role, attempt), environment, log)
         self.children[role], self.nodes[role].pid = child, child.pid
 

@@ -13,7 +13,7 @@ IntArray: TypeAlias = NDArray[np.int64]
 class Params(BaseModel):
     """A parameter set of one model. Its field names are the keys of the YAML file it is read from."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True, defer_build=True)
 
 
 def require_rising(name: str, values: tuple[float, ...]) -> None:
