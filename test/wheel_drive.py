@@ -161,6 +161,9 @@ class WheelOdometry(OdometryState):
     steer_angles: FloatArray | None = None
 
 
+OF_ODOMETRY = tuple(field.name for field in fields(OdometryState))
+
+
 def initial_wheels(*arguments: Any, **options: Any) -> WheelOdometry:
     """As `initial_odometry`."""
     return _with_wheels(initial_odometry(*arguments, **options), None, None)
@@ -195,5 +198,5 @@ def step_wheels(
 
 
 def _with_wheels(odometry: OdometryState, positions: Any, angles: Any) -> WheelOdometry:
-    known = {field.name: getattr(odometry, field.name) for field in fields(OdometryState)}
+    known = {name: getattr(odometry, name) for name in OF_ODOMETRY}
     return WheelOdometry(**known, wheel_positions=positions, steer_angles=angles)

@@ -73,6 +73,8 @@ class Bench:
         self.executor.add_node(self.peer)
         self.nodes: list[Any] = []
         self.received: dict[str, list[Any]] = defaultdict(list)
+        self._stamps: dict[str, list[int]] = defaultdict(list)
+        """Of what has been received, as far as it was looked at."""
         self._senders: dict[str, Any] = {}
         self._polled_at = 0.0
 
@@ -145,15 +147,15 @@ class Bench:
 
     def answer(self, name: str, period: int) -> Any:
         """The message on a topic that is stamped with a period, as soon as it comes."""
-        found: list[Any] = []
+        messages, stamps_here = self.received[name], self._stamps[name]
 
         def has_come() -> bool:
-            found[:] = [message for message in self.received[name] if stamp_of(message) == at(period)]
-            return bool(found)
+            stamps_here.extend(map(stamp_of, messages[len(stamps_here) :]))
+            return at(period) in stamps_here
 
         self.until(has_come, f"{name} stamped {period} periods")
-        assert len(found) == 1, f"{name} came {len(found)} times for one stamp"
-        return found[0]
+        assert (times := stamps_here.count(at(period))) == 1, f"{name} came {times} times for one stamp"
+        return messages[stamps_here.index(at(period))]
 
     def status(self, name: str, period: int) -> dict[str, str]:
         """Keys and values of a status topic at a period."""

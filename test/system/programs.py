@@ -1,19 +1,24 @@
 """Programs as users start them, each with what it prints, what it starts, and what it must not leave behind."""
 
+import atexit
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
-import uuid
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
+from tempfile import mkdtemp
 
 import pytest
 
+from copied import new_fork_server
 from domains import own_domain
+from sojourn_bringup.forked import ForkRequest, ForkServer
 from sojourn_machine import arithmetic
 
 HERE = Path(__file__).parent
@@ -24,11 +29,16 @@ PATIENT = ("--start-timeout", "600", "--lockstep-timeout", "300")
 """Options of start.py and demo that let a busy machine be slow; they cost nothing where nobody falls silent."""
 PATIENT_BENCH = ("--start-timeout", "600", "--timeout", "300")
 """The same for programs that stand in for a node: options of replay and of contract check."""
+LAYOUTS = {"direct": ("--direct",), "processes": ()}
+"""The two that have least in common. What is between them, the nodes of the second in one process (--composed), has its
+own runs in test_same_run and test_same_everywhere."""
 ELSEWHERE = {
     "OPENBLAS_NUM_THREADS": "4", "OMP_NUM_THREADS": "4", "NUMBA_NUM_THREADS": "2", "OPENBLAS_CORETYPE": "Sandybridge",
     "NUMBA_CPU_NAME": "generic", "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
 }  # fmt: skip
 """What a user may have set: an older processor for each library that asks, and more threads than there are cores."""
+FOUR_THREADS = {"OPENBLAS_NUM_THREADS": "4", "OMP_NUM_THREADS": "4", "OPENBLAS_CORETYPE": "Haswell"}
+"""What a user may have set who has more cores than these."""
 MODULES = {
     "action_command": "sojourn_operator.action_command",
     "bench": "sojourn_studies.bench",
@@ -44,17 +54,28 @@ MODULES = {
     "start": "sojourn_bringup.start",
     "tune": "sojourn_studies.tune",
 }
-MARK = "SOJOURN_TEST_MARK"
-"""Variable by which a program's descendants are found, whatever group or parent they have."""
 
 
-def environment(mark: str, outside: Mapping[str, str] | None = None) -> dict[str, str]:
+def environment(outside: Mapping[str, str] | None = None) -> dict[str, str]:
     """Variables of the programs under test: as a user's shell has them, who may have set others `outside`.
 
     ROS checks the fields of every message.
     """
     shell = {**arithmetic.outer(os.environ), **(outside or {})}
-    return {**shell, "ROS_PYTHON_CHECK_FIELDS": "1", "PYTHONUNBUFFERED": "1", MARK: mark}
+    shell.pop("PYTEST_CURRENT_TEST", None)  # which is another one for each
+    return {**shell, "ROS_PYTHON_CHECK_FIELDS": "1", "PYTHONUNBUFFERED": "1"}
+
+
+@cache
+def fork_server(variables: frozenset[tuple[str, str]]) -> ForkServer:
+    """A process with these variables that has loaded what most programs load, which takes each of them longer than what
+    many tests ask for. It ends with the tests.
+    """
+    log = Path(mkdtemp(prefix="sojourn_tests_")) / "fork_server.log"
+    atexit.register(shutil.rmtree, log.parent)
+    server = new_fork_server(log, dict(variables), "sojourn_bringup.start_run", "sojourn_bags.comparison")
+    atexit.register(server.close)
+    return server
 
 
 class Program:
@@ -69,16 +90,12 @@ class Program:
         self, name: str, arguments: Sequence[str], log: Path, outside: Mapping[str, str] | None = None
     ) -> None:
         self.log = log
-        self.mark = uuid.uuid4().hex
-        with log.open("wb") as output:
-            self.process = subprocess.Popen(
-                [sys.executable, "-m", MODULES[name], *arguments],
-                env=environment(self.mark, outside),
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
+        log.write_bytes(b"")
+        variables = environment(outside)
+        request = ForkRequest(MODULES[name], arguments, str(log), variables, f"sojourn_{name}", in_own_session=True)
+        process = fork_server(frozenset(variables.items())).fork(request)
+        assert process is not None
+        self.process = process
 
     @property
     def text(self) -> str:
@@ -86,15 +103,14 @@ class Program:
         return self.log.read_text(encoding="utf-8")
 
     def processes(self) -> list[int]:
-        """Numbers of it and of all that it has started, as far as they still run."""
+        """Numbers of it and of all that it has started, as far as they still run: those of its session."""
         found = []
         for entry in Path("/proc").glob("[0-9]*"):
             try:
-                variables = (entry / "environ").read_bytes().split(b"\0")
-                state = (entry / "stat").read_text().rpartition(")")[2].split()[0]
+                state, _, _, session = (entry / "stat").read_text().rpartition(")")[2].split()[:4]
             except OSError:
                 continue
-            if f"{MARK}={self.mark}".encode() in variables and state != "Z":
+            if int(session) == self.process.pid and state != "Z":
                 found.append(int(entry.name))
         return sorted(found)
 
@@ -113,7 +129,7 @@ class Program:
 
     def send(self, number: signal.Signals) -> None:
         """Send a signal to it alone."""
-        self.process.send_signal(number)
+        os.kill(self.process.pid, number)
 
     def wait(self, seconds: float = LONGEST_S) -> int:
         """Its exit status, once it has ended."""
@@ -133,12 +149,12 @@ class Program:
     def end(self) -> None:
         """End it if it still runs."""
         if self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
+            self.send(signal.SIGINT)
             try:
                 self.process.wait(20.0)
             except subprocess.TimeoutExpired:
-                self.process.kill()
-                self.process.wait()
+                self.send(signal.SIGKILL)
+                self.process.wait(LONGEST_S)
 
 
 def demos(options: Mapping[str, Sequence[str]], folder: Path) -> dict[str, tuple[int, str, Path]]:
@@ -156,7 +172,7 @@ def demos(options: Mapping[str, Sequence[str]], folder: Path) -> dict[str, tuple
             place = ["--run-dir", str(folder / name), "--domain", str(domain)]
             command = [sys.executable, "-m", "sojourn_bringup.demo", *options[name], *PATIENT, *place]
             done = subprocess.run(
-                command, env=environment(name), capture_output=True, text=True, timeout=LONGEST_S, check=False
+                command, env=environment(), capture_output=True, text=True, timeout=LONGEST_S, check=False
             )
         return done.returncode, done.stdout[-2000:] + done.stderr[-2000:], folder / name
 

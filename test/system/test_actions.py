@@ -40,7 +40,7 @@ def test_goals_of_front_ends_reach_the_machine(
         monkeypatch.setenv(variable, str(types / folder), prepend=os.pathsep)
     adapter = start("action_command", "--domain", domain)
     log = tmp_path / "client.log"
-    variables = environment("", dict(ros_variables(domain)))
+    variables = environment(dict(ros_variables(domain)))
     with log.open("wb") as output:
         client = subprocess.Popen(
             [sys.executable, HERE / "action_client.py"], env=variables, stdout=output, stderr=output

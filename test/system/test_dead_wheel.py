@@ -1,23 +1,25 @@
-"""A drive motor dies during a run: the drive says so, the goal is reached in truth, and the contract is kept."""
+"""A drive motor dies during a run: the drive says so, the goal is reached in truth, and the contract is kept; and all
+that the same without middleware and in many processes.
+"""
 
-from collections.abc import Callable
 from pathlib import Path
 
-from programs import HERE, PATIENT, Program
+from programs import FOUR_THREADS, HERE, LAYOUTS, PATIENT
+from test_same_everywhere import records, same
 
 from sojourn_bags.judging import judge_bag
-from sojourn_bags.reading import read_bag
 
 DEAD_AT = 15.0
 FIRM = ("--set", "drive.odometry.mean_slip=0.0", "--set", "drive.odometry.slip_per_grade=0.0")
 """Options: the drive knows that rock does not slip."""
 
 
-def test_ten_metres_with_a_dead_wheel(start: Callable[..., Program], tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    program = start("start", HERE / "dead_wheel.yaml", *PATIENT, *FIRM, "--direct", "--run-dir", folder)
-    assert program.wait() == 0, program.text  # the goal is met by the truth of the plant
-    bag = read_bag(folder)
+def test_ten_metres_with_a_dead_wheel(tmp_path: Path) -> None:
+    options = (str(HERE / "dead_wheel.yaml"), *PATIENT, *FIRM)
+    runs = {name: ((*options, *layout), FOUR_THREADS) for name, layout in LAYOUTS.items()}
+    bags = records(tmp_path, runs, status=0)  # the goal is met by the truth of the plant
+    bag = bags["direct"]
+    assert same(bag, bags["processes"])
     statuses = bag["/drive/status"].statuses()
     said = [(time, status["failed_motors"]) for time, status in zip(bag["/drive/status"].times, statuses, strict=True)]
     first = next(time for time, text in said if text)

@@ -1,14 +1,16 @@
-"""The arm at work on the whole stack: forces of a guarded move and of a dig, soil that is gone, what it weighs."""
+"""The arm at work on the whole stack: forces of a guarded move and of a dig, soil that is gone, what it weighs; and all
+that the same without middleware and in many processes.
+"""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import HERE, PATIENT, Program
+from programs import FOUR_THREADS, HERE, LAYOUTS, PATIENT
+from test_same_everywhere import records, same
 
 from sojourn_bags.judging import judge_bag
-from sojourn_bags.reading import Bag, read_bag
+from sojourn_bags.reading import Bag
 
 TIP = -1
 """Of the contacts: the tool is the last pad."""
@@ -19,11 +21,11 @@ def said(bag: Bag, task: str) -> dict[str, str]:
     return [status for status in bag["/arm/status"].statuses() if status.get("task") == task][-1]
 
 
-def test_touch_dig_and_weigh(start: Callable[..., Program], tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    program = start("start", HERE / "dig_run.yaml", *PATIENT, "--direct", "--run-dir", folder)
-    assert program.wait() == 0, program.text
-    bag = read_bag(folder)
+def test_touch_dig_and_weigh(tmp_path: Path) -> None:
+    options = (str(HERE / "dig_run.yaml"), *PATIENT)
+    bags = records(tmp_path, {name: ((*options, *layout), FOUR_THREADS) for name, layout in LAYOUTS.items()}, status=0)
+    bag = bags["direct"]
+    assert same(bag, bags["processes"])
     assert not list(judge_bag(bag)[0].lines())
     contacts = bag["/truth/contacts"].points()
     soil, force = contacts["soil"][:, TIP], contacts["force_z"][:, TIP]

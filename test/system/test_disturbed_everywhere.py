@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from programs import PATIENT
+from programs import LAYOUTS, PATIENT
 from test_same_everywhere import records, same
 
 FAULTS = """[
@@ -18,8 +18,7 @@ DISTURBED = ("flat_drive", *PATIENT, "--set", f"faults={FAULTS}", "--set", STEPS
 
 
 def test_disturbances_are_the_same_over_topics(tmp_path: Path) -> None:
-    runs = {"direct": "--direct", "processes": ""}
-    bags = records(tmp_path, {name: ((*DISTURBED, *option.split()), {}) for name, option in runs.items()}, 1)
+    bags = records(tmp_path, {name: ((*DISTURBED, *options), {}) for name, options in LAYOUTS.items()}, 1)
     assert same(bags["direct"], bags["processes"])
     refused = [status for status in bags["direct"].topics["/diagnostics"].data if b"refused" in status]
     assert refused  # corrupted and repeated messages are told

@@ -21,7 +21,7 @@ SLOPE_DEG = {"tracked": 15.0}
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
-    return demos({rover: ["--machine", rover] for rover in ROVERS}, tmp_path_factory.mktemp("courses"))
+    return demos({rover: ["--machine", rover, "--direct"] for rover in ROVERS}, tmp_path_factory.mktemp("courses"))
 
 
 def track(bag: Bag) -> tuple[np.ndarray, np.ndarray]:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import yaml
 from sojourn_analysis.wheels.examples import example_row
 from sojourn_machine.contact_report import REPORT_COLUMNS
 from sojourn_machine.params import FloatArray
+from sojourn_machine.vectors import cross
 from sojourn_physics.contact.contact_law import (
     MOTION_COLUMNS,
     OUT_COLUMNS,
@@ -55,10 +57,21 @@ def soil_table(*names: str, damping: float | None = None) -> FloatArray:
     return table
 
 
+@cache
 def carried(count: int) -> Carried:
     """So many supports on one body that is moved by six coordinates."""
     bodies = np.zeros(count, dtype=np.int64)
     return Carried(bodies, np.tile([0, 1, 2, 3, 4, 5, -1], (count, 1)), np.zeros((count, 3)), 0)
+
+
+FREE_BODY = np.eye(6)
+"""Jacobian of a body that is moved by six coordinates."""
+NO_ROWS = np.zeros((0, WHEEL_COLUMNS))
+NO_TRACKS = TrackTable(
+    np.zeros((0, TRACK_COLUMNS)), np.zeros((0, 3), np.int64), np.zeros((0, PLATE_COLUMNS)), carried(0)
+)
+NO_FEET = FootTable(NO_ROWS, np.zeros((0, 3, 3)), carried(0))
+NO_STATES = np.zeros((0, STATE_COLUMNS))
 
 
 def supports(
@@ -68,25 +81,22 @@ def supports(
     tracks: TrackTable | None = None,
 ) -> Supports:
     """One wheel, by its row, or one pad, by its radius and its cuts, or tracks; nothing else."""
-    rows = np.zeros((0, WHEEL_COLUMNS))
-    wheel_rows = rows if wheels is None else wheels
+    wheel_rows = NO_ROWS if wheels is None else wheels
     radii = np.zeros(0) if radius is None else np.array([radius])
     given = np.zeros((len(radii), 1, CUT_COLUMNS)) if cuts is None else cuts
-    belts = np.zeros((0, 3), np.int64)
-    none = TrackTable(np.zeros((0, TRACK_COLUMNS)), belts, np.zeros((0, PLATE_COLUMNS)), carried(0))
     return Supports(
         WheelTable(wheel_rows, carried(len(wheel_rows))),
-        none if tracks is None else tracks,
-        FootTable(rows, np.zeros((0, 3, 3)), carried(0)),
+        NO_TRACKS if tracks is None else tracks,
+        NO_FEET,
         PadTable(radii, given, np.zeros((len(radii), TOOL_COLUMNS)), carried(len(radii))),
     )
 
 
 def one_state(one: Supports, state: FloatArray) -> SupportStates:
     """The states of these supports, of which one kind alone is there."""
-    none = np.zeros((0, STATE_COLUMNS))
-    wheels, pads = (state if len(table) else none for table in (one.wheels.rows, one.pads.radii))
-    return SupportStates(wheels, state if len(one.tracks.rows) else none, none, pads)
+    tables = (one.wheels.rows, one.tracks.rows, one.pads.radii)
+    wheels, tracks, pads = (state if len(table) else NO_STATES for table in tables)
+    return SupportStates(wheels, tracks, NO_STATES, pads)
 
 
 @dataclass
@@ -142,15 +152,15 @@ class Rig:
         rotation: from the wheel's frame (x ahead, y along the axle) to map. velocity: of the centre.
         """
         placement = np.concatenate([rotation.T.reshape(-1), centre])[np.newaxis, :]
-        twist = np.concatenate([velocity - np.cross(angular, centre), angular])
+        twist = np.concatenate([velocity - cross(angular, centre), angular])
         force = np.zeros(6)
         one = supports(wheels=self.row[np.newaxis, :]) if self.wheel else supports(radius=self.radius, cuts=self.cuts)
         ground = Ground(self.heights, self.soil_index, self.grid, self.soils, self.memory.tables)
-        machine = Kinematics(np.ascontiguousarray(placement), np.eye(6), twist)
+        machine = Kinematics(placement, FREE_BODY, twist)
         states = one_state(one, self.state)
         touch = Touch(states, self.report, force, make_workspace(self.soils))
         self.on_map = contact_forces(one, ground, machine, self.dt, touch)
-        return force[:3], force[3:] - np.cross(centre, force[:3])
+        return force[:3], force[3:] - cross(centre, force[:3])
 
     def hold(
         self,

@@ -13,6 +13,7 @@ from sojourn_analysis.wheels.examples import example_row
 from sojourn_machine.contact_report import REPORT_COLUMNS, ReportColumn
 from sojourn_machine.params import FloatArray
 from sojourn_machine.supports import TrackEndParams, TrackParams
+from sojourn_machine.vectors import cross
 from sojourn_physics.contact.contact_law import STATE_COLUMNS, StateColumn, WheelColumn
 from sojourn_physics.contact.contact_set import contact_forces
 from sojourn_physics.contact.hysteresis import ON_BACKBONE
@@ -29,6 +30,8 @@ from .conftest import carried, one_state, soil_table, supports, turned
 
 LENGTH, WIDTH, RADIUS, GRAVITY = 0.9, 0.2, 0.1, 1.62
 STEEP = TrackEndParams(angle_deg=85.0, length=0.0, radius=0.02)
+BODY_AND_SPROCKET = np.hstack([np.eye(6), np.zeros((6, 1))])
+"""Jacobian of the body, which six coordinates move and the sprocket's does not."""
 RISING = TrackEndParams(angle_deg=30.0, length=0.25, radius=0.1)
 
 
@@ -79,15 +82,14 @@ class TrackRig:
         turned_by = np.eye(3) if rotation is None else rotation
         placement = np.concatenate([turned_by.T.reshape(-1), centre])[np.newaxis, :]
         turning = np.array([0.0, 0.0, yaw_rate])
-        rates = np.concatenate([velocity - np.cross(turning, centre), turning, [belt / RADIUS]])
-        jacobian = np.hstack([np.eye(6), np.zeros((6, 1))])
+        rates = np.concatenate([velocity - cross(turning, centre), turning, [belt / RADIUS]])
         force = np.zeros(7)
         workspace = make_workspace(self.soil[np.newaxis, :])
         touch = Touch(one_state(self.supports, self.states), self.report, force, workspace)
-        machine = Kinematics(np.ascontiguousarray(placement), jacobian, rates)
+        machine = Kinematics(placement, BODY_AND_SPROCKET, rates)
         ground = self.ground._replace(memory=self.memory.tables)
         self.on_map = contact_forces(self.supports, ground, machine, self.dt, touch)
-        force[3:6] -= np.cross(centre, force[:3])
+        force[3:6] -= cross(centre, force[:3])
         return force
 
     def roll(self, depth: float, speed: float, belt: float, way: float, yaw_rate: float = 0.0) -> FloatArray:
