@@ -8,12 +8,14 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from copied import new_fork_server
 from sojourn_bringup.child import Child
-from sojourn_bringup.forked import ForkRequest, ForkServer
+from sojourn_bringup.forked import ForkRequest, ForkServer, fork_server_for
 from sojourn_bringup.process_table import process
 from sojourn_config.ros_environment import own_environment
 
@@ -122,11 +124,11 @@ def test_a_process_with_threads_is_not_copied(tmp_path: Path) -> None:
 SAYS = """
 import os, sys
 from pathlib import Path
-from sojourn_bringup.forked import ForkRequest, ForkServer
+from sojourn_bringup.forked import ForkRequest, ForkServer, fork_server_for
 
 print("begun", flush=False)
 server = ForkServer.of_this_process(Path(sys.argv[1]) / "logs" / "server.log")
-asked = ForkRequest("spoken", ("word",), str(Path(sys.argv[1]) / "copy.log"), {"PLACE": "here"})
+asked = ForkRequest(sys.argv[2], ("word",), str(Path(sys.argv[1]) / "copy.log"), {"PLACE": "here"})
 ends = []
 try:
     copy = server.fork(asked)
@@ -142,12 +144,42 @@ sys.exit("that is all")
 """
 
 
-def test_what_is_copied_goes_on_and_prints_nothing_twice(tmp_path: Path) -> None:
-    (tmp_path / "spoken.py").write_text(SPOKEN, encoding="utf-8")
+FULL = """
+import sys
+sys.stdout = open("/dev/full", "w")
+print("there is no room for it")
+"""
+
+
+def copied(tmp_path: Path, program: str) -> tuple[int, str, str]:
+    """Status and words of a process that has a copy of it run a program."""
+    (tmp_path / "spoken.py").write_text(program, encoding="utf-8")
     run = subprocess.run(
-        [sys.executable, "-c", SAYS, str(tmp_path)],
+        [sys.executable, "-c", SAYS, str(tmp_path), "spoken"],
         env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert (run.returncode, run.stdout, run.stderr) == (0, "begun\nended with 1\n", "")
+    return run.returncode, run.stdout, run.stderr
+
+
+def test_what_is_copied_goes_on_and_prints_nothing_twice(tmp_path: Path) -> None:
+    assert copied(tmp_path, SPOKEN) == (0, "begun\nended with 1\n", "")
     assert (tmp_path / "copy.log").read_text() == "['word'] {'PLACE': 'here'}\nthat is all\n"
     assert (tmp_path / "logs" / "server.log").read_text() == ""
+
+
+def test_a_copy_whose_last_words_find_no_room_ends_all_the_same(tmp_path: Path) -> None:
+    """And does not go on as the process that was copied."""
+    assert copied(tmp_path, FULL) == (0, "begun\nended with 0\n", "")
+
+
+def test_where_others_have_begun_threads_each_node_starts_by_itself() -> None:
+    done = threading.Event()
+    plan: Any = SimpleNamespace(started=("plant", "drive", "arm"), replacements={})
+    other = threading.Thread(target=done.wait)
+    other.start()
+    try:
+        with fork_server_for(plan) as server:
+            assert server is None
+    finally:
+        done.set()
+        other.join()

@@ -55,9 +55,10 @@ def be_server(connection: socket.socket, parent: int, log: Path) -> NoReturn:
     except BaseException:
         traceback.print_exc()
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+        with suppress(Exception):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)  # whatever else there is to go on with is of the process that was copied
 
 
 def serve(connection: socket.socket) -> None:
