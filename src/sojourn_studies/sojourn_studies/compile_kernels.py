@@ -1,5 +1,6 @@
 """Has every kernel compiled and kept, so that no run waits for the compiler: one step of each model of a scenario."""
 
+import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
@@ -27,7 +28,7 @@ from sojourn_physics.soil.params import SoilParams
 from sojourn_physics.terrain import earthwork
 from sojourn_plant.start import build_plant
 from sojourn_stack.apps import make_apps
-from sojourn_studies.campaign.cluster import cores
+from sojourn_stack.stack import PLANT
 
 SCENARIO = "lunar_sample"
 """Has all kinds of ground in it."""
@@ -41,7 +42,7 @@ WITH_BUMPER = "sensors.bumper={kind: bump_switch, link: navcam_link, width: 0.1,
 
 def main() -> None:
     """Compile, on as many cores as there are; prints nothing, takes some minutes the first time and seconds after."""
-    with ProcessPoolExecutor(min(len(PARTS), cores()), get_context("spawn")) as pool:
+    with ProcessPoolExecutor(min(len(PARTS), len(os.sched_getaffinity(0))), get_context("spawn")) as pool:
         for done in [pool.submit(part) for part in PARTS]:
             done.result()
 
@@ -59,7 +60,7 @@ def drive_plant() -> None:
 
 def warm_apps() -> None:
     """What the apps of a run call."""
-    for app in make_apps(load_scenario(SCENARIO), [role for role in ROLES if role != "plant"]).values():
+    for app in make_apps(load_scenario(SCENARIO), [role for role in ROLES if role != PLANT]).values():
         app.warm_up()
 
 
