@@ -89,6 +89,9 @@ def test_a_run_with_a_bag_and_another_after_it(tmp_path: Any) -> None:
     assert again.state.now == result.state.now and again.completeness is None
 
 
-def test_a_run_ends_when_it_is_told_to() -> None:
-    result = run(RunSpec("flat_drive", ROLES), lambda state: state.period < 20)
+def test_a_run_ends_when_it_is_told_to(tmp_path: Any) -> None:
+    spec = RunSpec("flat_drive", (*ROLES, "recorder"), bag=tmp_path / "bag")
+    result = run(spec, lambda state: state.period < 20)
     assert result.state.period == 20 and not result.state.finished
+    # truth of the period to come has been said, what others would have said in it has not
+    assert result.completeness is not None and result.completeness.explain() == ""

@@ -5,11 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from programs import LAYOUTS, PATIENT, Program
+from verdicts import require_same
 
 from domains import domain_to_keep
-from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
 
@@ -44,8 +42,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Bag]]:
 
 
 def test_images_are_the_same_in_every_layout(bags: dict[str, Bag]) -> None:
-    result = compare(bags["direct"].topics, bags["processes"].topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    require_same(bags["direct"], bags["processes"])
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

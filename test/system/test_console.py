@@ -14,10 +14,8 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect, sync_playwright
 from programs import PATIENT, SHORT_RUN, Program
+from verdicts import require_same
 
-from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.reading import read_bag
 from sojourn_console.feed import FeedMessage
 from sojourn_console.gate import GuardedServer
@@ -144,8 +142,7 @@ def test_a_run_with_a_console_is_the_run_without(tmp_path: Path, start: Callable
     alone = start("start", SHORT_RUN, *PATIENT, "--composed", "--domain", domain, "--run-dir", tmp_path / "alone")
     assert alone.wait() == 0, alone.text
     runs = [read_bag(tmp_path / name) for name in ("looked_at", "alone")]
-    result = compare(runs[0].topics, runs[1].topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    require_same(runs[0], runs[1])
 
 
 @in_a_browser

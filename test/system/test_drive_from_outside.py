@@ -11,11 +11,9 @@ import pytest
 import yaml
 from outside import Stranger, known_by
 from programs import LAYOUTS, PATIENT, PATIENT_BENCH
+from verdicts import require_same
 
 from domains import domain_to_keep
-from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
 
 ROOT = Path(__file__).resolve().parents[2]
 LAW = ROOT / "test" / "physics" / "plant" / "sprung_drive.py"
@@ -66,8 +64,7 @@ def test_every_field_is_the_same_in_every_layout(stranger: Stranger) -> None:
         given = (*PATIENT, *SHORT, "--domain", domain_to_keep(), *options, "--run-dir", stranger.base / layout)
         run = stranger.call("start", stranger.scenario, *given)
         assert run.wait() == 0, run.text
-    result = compare(stranger.bag("direct").topics, stranger.bag("processes").topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    require_same(stranger.bag("direct"), stranger.bag("processes"))
     states = stranger.bag("processes")["/truth/joint_states"].joints()
     assert np.abs(states.effort[:, states.names.index("wheel_front_left_joint")]).max() > 0.1
 

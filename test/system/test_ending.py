@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 from programs import PATIENT, SHORT_RUN, Program, shared_memory_files
+from verdicts import require_same
 
-from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.reading import read_bag
 
 LONG = (*PATIENT, "--set", "steps=[{wait_s: 1000.0}]", "--set", "duration_limit_s=2000.0")
@@ -70,4 +69,4 @@ def test_two_namespaces_share_a_domain(start: Callable[..., Program], tmp_path: 
     for program in programs:
         assert program.wait() == 0, program.text
     one, two = (read_bag(run) for run in runs.values())
-    assert compare(one.topics, two.topics).verdict is Verdict.IDENTICAL
+    require_same(one, two)

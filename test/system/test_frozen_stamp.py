@@ -7,11 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from programs import PATIENT, SHORT_RUN, Program
+from verdicts import require_same
 
 from domains import domain_to_keep
-from sojourn_bags.comparison import compare, stamps_of
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
+from sojourn_bags.comparison import stamps_of
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
 
@@ -40,8 +39,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Bag]]:
 
 
 def test_the_record_is_the_same_in_both_layouts(bags: dict[str, Bag]) -> None:
-    result = compare(bags["direct"].topics, bags["composed"].topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    require_same(bags["direct"], bags["composed"])
 
 
 def test_values_go_on_while_the_stamp_stays(bags: dict[str, Bag]) -> None:

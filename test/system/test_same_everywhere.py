@@ -14,11 +14,9 @@ from pathlib import Path
 
 import pytest
 from programs import ELSEWHERE, FOUR_THREADS, PATIENT, Program
+from verdicts import require_same
 
 from domains import domain_to_keep
-from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup.references import REFERENCES, references_folder
 from sojourn_machine import arithmetic
@@ -51,13 +49,6 @@ def records(folder: Path, runs: Mapping[str, tuple[tuple[str, ...], dict[str, st
     return {name: read_bag(folder / name) for name in runs}
 
 
-def same(one: Bag, other: Bag) -> bool:
-    """Whether every field of every message is; fails the test with what is not."""
-    result = compare(one.topics, other.topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
-    return result.matched == sum(len(messages) for messages in one.topics.values())
-
-
 def test_a_whole_run_is_the_same_without_middleware_in_one_process_and_in_many(tmp_path: Path) -> None:
     """A minute over rocks, where a last bit that is off grows beyond bounds. OpenBLAS is told to use four threads."""
     runs = {
@@ -66,15 +57,15 @@ def test_a_whole_run_is_the_same_without_middleware_in_one_process_and_in_many(t
         "processes": (DEMO, {}),
     }
     bags = records(tmp_path, runs, status=1)
-    assert same(bags["direct"], bags["composed"])
-    assert same(bags["composed"], bags["processes"])
+    require_same(bags["direct"], bags["composed"])
+    require_same(bags["composed"], bags["processes"])
     assert bags["direct"]["/clock"].times[-1] > 59.0
 
 
 def test_the_reference_run_heeds_no_setting_of_the_outside(tmp_path: Path) -> None:
     composed = (*REFERENCE, "--composed")
     bags = records(tmp_path, {"here": (composed, {}), "elsewhere": (composed, ELSEWHERE)}, status=1)
-    assert same(bags["here"], bags["elsewhere"])
+    require_same(bags["here"], bags["elsewhere"])
 
 
 def plant(manner: str, outside: Mapping[str, str]) -> dict[str, object]:

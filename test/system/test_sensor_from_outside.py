@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from outside import Stranger, known_by
 from programs import LAYOUTS, PATIENT, PATIENT_BENCH
+from verdicts import require_same
 
 from domains import domain_to_keep
 from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.judging import judge_bag
 from sojourn_config.errors import ConfigError
@@ -143,8 +142,7 @@ def test_each_layout_has_its_measurements_and_no_gap(stranger: Stranger, layout:
 
 
 def test_every_field_is_the_same_in_every_layout(stranger: Stranger) -> None:
-    result = compare(stranger.bag("direct").topics, stranger.bag("processes").topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    require_same(stranger.bag("direct"), stranger.bag("processes"))
 
 
 def test_his_sensors_change_no_number_of_ours(stranger: Stranger) -> None:

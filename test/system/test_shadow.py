@@ -6,9 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from programs import PATIENT, SHORT_RUN, Program
+from verdicts import require_same
 
-from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.reading import read_bag
 
 FLIGHT_DRIVE = f"{sys.executable} {Path(__file__).parent / 'flight_drive.py'}"
@@ -26,7 +25,7 @@ def test_shadows_are_judged_and_change_nothing(tmp_path: Path, start: Callable[.
     alone = start("start", *options, "--composed", "--run-dir", tmp_path / "alone")
     assert alone.wait() == 0, alone.text
     runs = [read_bag(tmp_path / name) for name in ("beside", "alone")]
-    assert compare(runs[0].topics, runs[1].topics).verdict is Verdict.IDENTICAL
+    require_same(runs[0], runs[1])
 
     arm, drive = (json.loads((tmp_path / "beside" / f"shadow_{role}.json").read_text()) for role in ("arm", "drive"))
     assert (arm["state"], arm["detail"]) == ("done", "identical"), arm["lines"]

@@ -13,11 +13,9 @@ import rasterio
 from outside import Stranger, known_by
 from programs import LAYOUTS, PATIENT, PATIENT_BENCH
 from rasterio.transform import Affine
+from verdicts import require_same
 
 from domains import domain_to_keep
-from sojourn_bags.comparison import compare
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
 
 BROUGHT = Path(__file__).parent / "stranger"
 
@@ -73,8 +71,7 @@ def test_it_reaches_its_goals_over_his_hills(stranger: Stranger) -> None:
 
 
 def test_every_field_is_the_same_in_every_layout(stranger: Stranger) -> None:
-    result = compare(stranger.bag("direct").topics, stranger.bag("processes").topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    require_same(stranger.bag("direct"), stranger.bag("processes"))
 
 
 def test_contract_replay_report_data_sheet_and_bench_work_on_it(stranger: Stranger) -> None:

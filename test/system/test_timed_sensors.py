@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from programs import LAYOUTS, PATIENT, PATIENT_BENCH, SHORT_RUN, Program
+from verdicts import require_same
 
 from domains import domain_to_keep
 from sojourn_bags.comparison import compare, stamps_of
-from sojourn_bags.comparison_result import Verdict
-from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.contract_version import table_of_bag
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
@@ -57,8 +56,7 @@ def direct(runs: dict[str, Path]) -> Bag:
 
 
 def test_every_field_is_the_same_in_every_layout(runs: dict[str, Path], direct: Bag) -> None:
-    result = compare(direct.topics, read_bag(runs["processes"]).topics)
-    assert result.verdict is Verdict.IDENTICAL, "\n".join(comparison_lines(result))
+    require_same(direct, read_bag(runs["processes"]))
 
 
 def test_messages_are_filed_when_they_leave(direct: Bag) -> None:

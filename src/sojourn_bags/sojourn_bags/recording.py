@@ -23,6 +23,8 @@ from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
 
 CLOCK, TRUTH, ODOMETRY = "/clock", "/truth/odom", "/odom"
+RECORDER = "recorder"
+"""The role that writes, whose own farewell is none of the record's."""
 
 
 class Recording:
@@ -66,6 +68,7 @@ class Recording:
         """Last period that a clock which may leap has told; None of another."""
         self._window = WindowOrder()
         self._published = PublishedCounts()
+        self._farewells = tuple(role for role in participants if role != RECORDER)
         self._arrived = {name: onset.before.get(name, 0) for name in self._channel_of}
         self._transforms = TransformSource()
         self._has_drive = "drive" in participants
@@ -141,7 +144,7 @@ class Recording:
             run: metadata record that describes the run.
         """
         if self.lockstep:
-            self.last_stamp = self._periods.last_begun * CONTROL_PERIOD_NS
+            self.last_stamp = self._last_period * CONTROL_PERIOD_NS
         self._write(self._periods.release_all() if self.lockstep else self._window.release_all())
         completeness = account(
             self._rows,
@@ -155,6 +158,13 @@ class Recording:
         record = {**run, "last_stamp_ns": str(self.last_stamp)}
         self.writer.close({RUN_RECORD: record, RECORD: completeness.as_record()})
         return completeness
+
+    @property
+    def _last_period(self) -> int:
+        """Of lock-step: the one that has begun last; where all have said farewell the last that is complete, as they
+        were told to end in the one after it.
+        """
+        return self._periods.collected if self._published.has_ended(self._farewells) else self._periods.last_begun
 
     def _hear(self, row: Topic, stamp: int, message: bytes) -> int | None:
         """Read a heartbeat. Returns its sender's rank, or None where it is no part of the record.

@@ -69,22 +69,21 @@ def ecliptic_of_date(days: float) -> Vector:
     """
     t = days / CENTURY
     mean_longitude = 218.3164477 + 481267.88123421 * t - 0.0015786 * t * t
-    arguments = (
-        math.radians(297.8501921 + 445267.1114034 * t - 0.0018819 * t * t),
-        math.radians(357.5291092 + 35999.0502909 * t - 0.0001536 * t * t),
-        math.radians(134.9633964 + 477198.8675055 * t + 0.0087414 * t * t),
-        math.radians(93.2720950 + 483202.0175233 * t - 0.0036539 * t * t),
-    )
-    rounder = 1.0 - 0.002516 * t
+    d = math.radians(297.8501921 + 445267.1114034 * t - 0.0018819 * t * t)
+    m = math.radians(357.5291092 + 35999.0502909 * t - 0.0001536 * t * t)
+    anomaly = math.radians(134.9633964 + 477198.8675055 * t + 0.0087414 * t * t)
+    f = math.radians(93.2720950 + 483202.0175233 * t - 0.0036539 * t * t)
+    weights = (1.0, 1.0 - 0.002516 * t)
     longitude = latitude = distance = 0.0
-    for *multiples, sine, cosine in _LONGITUDE:
-        angle = sum(multiple * argument for multiple, argument in zip(multiples, arguments, strict=True))
-        weight = rounder ** abs(multiples[1])
+    # written out: a plan of a lunar day asks for the Moon a hundred thousand times
+    for of_d, of_m, of_anomaly, of_f, sine, cosine in _LONGITUDE:
+        angle = of_d * d + of_m * m + of_anomaly * anomaly + of_f * f
+        weight = weights[abs(of_m)]
         longitude += weight * sine * math.sin(angle)
         distance += weight * cosine * math.cos(angle)
-    for *multiples, sine in _LATITUDE:
-        angle = sum(multiple * argument for multiple, argument in zip(multiples, arguments, strict=True))
-        latitude += rounder ** abs(multiples[1]) * sine * math.sin(angle)
+    for of_d, of_m, of_anomaly, of_f, sine in _LATITUDE:
+        angle = of_d * d + of_m * m + of_anomaly * anomaly + of_f * f
+        latitude += weights[abs(of_m)] * sine * math.sin(angle)
     return (mean_longitude + 1e-6 * longitude) % 360.0, 1e-6 * latitude, 385000560.0 + distance
 
 
