@@ -101,6 +101,14 @@ def test_with_their_server_they_end_and_no_more_are_made(server: ForkServer, nod
     assert server.fork(ForkRequest("sojourn_drive", (), os.devnull, {})) is None
 
 
+def test_a_node_with_more_variables_than_a_message_holds_is_to_start_by_itself(
+    server: ForkServer, node: Callable[..., Child]
+) -> None:
+    for size in (150_000, 1_500_000):  # the one would be cut, the other never be sent
+        assert server.fork(ForkRequest("sojourn_drive", (), os.devnull, {"LONG": "x" * size})) is None
+    assert not server.is_gone and node("plant").status is None
+
+
 def test_it_takes_what_still_runs_with_it(server: ForkServer, node: Callable[..., Child]) -> None:
     assert comes(server.is_loaded) and not server.is_gone
     plant = node("plant")

@@ -98,9 +98,12 @@ class ForkServer:
         return self._is_loaded or self.is_gone
 
     def fork(self, request: ForkRequest) -> "ForkedProcess | None":
-        """A node begun, as soon as the server has loaded; None where that has ended."""
+        """A node begun, as soon as the server has loaded; None where that has ended, or the request is too long."""
+        text = json.dumps(asdict(request)).encode()
+        if len(text) > LONGEST:
+            return None
         with contextlib.suppress(OSError):
-            self._socket.send(json.dumps(asdict(request)).encode())
+            self._socket.send(text)
         while (told := self._hear(None)) is not None:
             if "begun" in told:
                 return ForkedProcess(self, told["begun"])
