@@ -83,6 +83,7 @@ def test_a_run_with_a_bag_and_another_after_it(tmp_path: Any) -> None:
     result = run(spec)
     assert [step.outcome for step in result.steps] == ["timed out"]
     assert result.completeness is not None and not result.completeness.gaps
+    assert all(count.due == count.recorded for count in result.completeness.counts.values() if count.due is not None)
     bag = read_bag(tmp_path / "bag")
     assert bag.whole and len(bag["/drive_command"]) == len(bag["/clock"])
     again = run(RunSpec("flat_drive", ROLES, ("duration_limit_s=1.0",)))

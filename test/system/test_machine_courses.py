@@ -14,7 +14,9 @@ from sojourn_config.machine_reader import machine_config
 from sojourn_config.paths import available
 from sojourn_config.scenario import load_scenario
 
-ROVERS = [name for name in available("machines") if machine_config(name).stands_on]
+DRIVEN_AS_EXPLORER = {"explorer_isotope", "explorer_night", "explorer_solar"}
+"""They are fed and warmed otherwise, and drive its course to the last bit."""
+ROVERS = [name for name in available("machines") if machine_config(name).stands_on and name not in DRIVEN_AS_EXPLORER]
 SLOPE_DEG = {"tracked": 15.0}
 """Where it is not 10."""
 

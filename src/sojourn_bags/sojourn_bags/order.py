@@ -71,6 +71,7 @@ class PeriodOrder:
         }
         """By channel of senders whose clock has stopped: period of the last measurement that came."""
         self._bits = {channel: 1 << number for number, (channel, _) in enumerate(self._awaited)}
+        self._truth = sum(self._bits[channel] for channel, row in self._awaited if row.publisher == "plant")
         self._cycle = lcm(*(row.every for _, row in self._awaited))
         self._masks: dict[int, int] = {}
         self._arrived: dict[int, int] = {}
@@ -166,6 +167,11 @@ class PeriodOrder:
     def last_begun(self) -> int:
         """Last period of which something has come on two topics: one message with a stamp of its own begins none."""
         return max((period for period, bits in self._arrived.items() if bits & (bits - 1)), default=self.collected)
+
+    @property
+    def last_answered(self) -> int:
+        """Last period that a role has acted on: the plant tells the truth of a period before."""
+        return max((period for period, bits in self._arrived.items() if bits & ~self._truth), default=self.collected)
 
     def _measured(self, channel: int, row: Topic, stamp: int) -> int:
         """When that was measured [ns] whose message has a stamp: later, where the sender's clock has stopped."""

@@ -161,10 +161,11 @@ class Recording:
 
     @property
     def _last_period(self) -> int:
-        """Of lock-step: the one that has begun last; where all have said farewell the last that is complete, as they
-        were told to end in the one after it.
+        """Of lock-step: the one that has begun last; where all have said farewell the last that any has acted on, as
+        they may have been told to end before the next.
         """
-        return self._periods.collected if self._published.has_ended(self._farewells) else self._periods.last_begun
+        periods = self._periods
+        return periods.last_answered if self._published.has_ended(self._farewells) else periods.last_begun
 
     def _hear(self, row: Topic, stamp: int, message: bytes) -> int | None:
         """Read a heartbeat. Returns its sender's rank, or None where it is no part of the record.
