@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 from programs import HERE, PATIENT
-from test_same_everywhere import records, same
+from test_same_everywhere import records
+from verdicts import require_same
 
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup.checkpoints import last_before
@@ -39,7 +40,7 @@ def test_the_files_are_the_same_to_the_last_bit(runs: tuple[Path, dict[str, Bag]
     direct = sorted((folder / "direct" / "checkpoints").iterdir())
     assert len(direct) > 8
     for way in ("composed", "processes"):
-        assert same(bags[way], bags["direct"])
+        require_same(bags[way], bags["direct"])
         files = sorted((folder / way / "checkpoints").iterdir())
         assert [file.name for file in files] == [file.name for file in direct], way
         for one, other in zip(files, direct, strict=True):
@@ -64,4 +65,4 @@ def test_what_goes_on_from_one_is_the_run(runs: tuple[Path, dict[str, Bag]], tmp
         kept = sorted((tmp_path / way / "checkpoints").iterdir())
         assert len(kept) > 5
         assert all(parts(file) == parts(folder / "direct" / "checkpoints" / file.name) for file in kept), way
-    assert same(rest["composed"], rest["direct"])
+    require_same(rest["composed"], rest["direct"])

@@ -5,7 +5,8 @@ that the same without middleware and in many processes.
 from pathlib import Path
 
 from programs import FOUR_THREADS, HERE, LAYOUTS, PATIENT
-from test_same_everywhere import records, same
+from test_same_everywhere import records
+from verdicts import require_same
 
 from sojourn_bags.judging import judge_bag
 
@@ -19,7 +20,7 @@ def test_ten_metres_with_a_dead_wheel(tmp_path: Path) -> None:
     runs = {name: ((*options, *layout), FOUR_THREADS) for name, layout in LAYOUTS.items()}
     bags = records(tmp_path, runs, status=0)  # the goal is met by the truth of the plant
     bag = bags["direct"]
-    assert same(bag, bags["processes"])
+    require_same(bag, bags["processes"])
     statuses = bag["/drive/status"].statuses()
     said = [(time, status["failed_motors"]) for time, status in zip(bag["/drive/status"].times, statuses, strict=True)]
     first = next(time for time, text in said if text)

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from programs import FOUR_THREADS, HERE, LAYOUTS, PATIENT
-from test_same_everywhere import records, same
+from test_same_everywhere import records
+from verdicts import require_same
 
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag
@@ -25,7 +26,7 @@ def test_touch_dig_and_weigh(tmp_path: Path) -> None:
     options = (str(HERE / "dig_run.yaml"), *PATIENT)
     bags = records(tmp_path, {name: ((*options, *layout), FOUR_THREADS) for name, layout in LAYOUTS.items()}, status=0)
     bag = bags["direct"]
-    assert same(bag, bags["processes"])
+    require_same(bag, bags["processes"])
     assert not list(judge_bag(bag)[0].lines())
     contacts = bag["/truth/contacts"].points()
     soil, force = contacts["soil"][:, TIP], contacts["force_z"][:, TIP]

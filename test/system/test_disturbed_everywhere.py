@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from programs import LAYOUTS, PATIENT
-from test_same_everywhere import records, same
+from test_same_everywhere import records
+from verdicts import require_same
 
 FAULTS = """[
   {kind: message_lost, topic: /imu/data, probability: 0.3, at: 1},
@@ -19,7 +20,7 @@ DISTURBED = ("flat_drive", *PATIENT, "--set", f"faults={FAULTS}", "--set", STEPS
 
 def test_disturbances_are_the_same_over_topics(tmp_path: Path) -> None:
     bags = records(tmp_path, {name: ((*DISTURBED, *options), {}) for name, options in LAYOUTS.items()}, 1)
-    assert same(bags["direct"], bags["processes"])
+    require_same(bags["direct"], bags["processes"])
     refused = [status for status in bags["direct"].topics["/diagnostics"].data if b"refused" in status]
     assert refused  # corrupted and repeated messages are told
     states = b"".join(bags["direct"].topics["/drive/status"].data)
