@@ -8,7 +8,7 @@ from typing import Any
 from sojourn_bags.definitions import ChannelSpec, qos_entry
 from sojourn_bags.onset import WHOLE, Onset
 from sojourn_bags.provenance import attachments, run_attachment
-from sojourn_bags.recording import Recording
+from sojourn_bags.recording import RECORDER, Recording
 from sojourn_bags.transforms import channel as transform_channel
 from sojourn_bags.writer import BagWriter
 from sojourn_config.paths import display
@@ -16,8 +16,6 @@ from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_contract import qos
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.run_table import table_of
-
-ROLE = "recorder"
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ class RecordedRun:
         """
         scenario = self.loaded or load_scenario(self.scenario, self.overrides)
         table = table_of(scenario)
-        rows = table.inputs_of(ROLE)
+        rows = table.inputs_of(RECORDER)
         channels = [
             ChannelSpec(row.name, row.type, qos_entry(qos.profile(row, self.lockstep, row.publisher))) for row in rows
         ]
@@ -75,7 +73,7 @@ class RecordedRun:
         writer = BagWriter(folder, [*channels, transform_channel()], described, offered)
         if scenario.config.bag_part_mb is not None:
             writer.largest_part = round(scenario.config.bag_part_mb * 1e6)
-        awaited = awaited_inputs(ROLE, self.participants, table)
+        awaited = awaited_inputs(RECORDER, self.participants, table)
         return Recording(
             writer, rows, awaited, self.participants, self.lockstep, refuse, self.onset, table.longest_leap
         )

@@ -109,7 +109,7 @@ class RecorderNode(ContractNode):
         self.recording.writer.flush_if_due()
         if self.now == 0 or time.monotonic() - self.recording.last_arrival > DRAIN_S:
             return True
-        return self.recording.has_all(role for role in self.participants if role != self.role)
+        return self.recording.has_all()
 
     def close(self) -> None:
         """Write what is left, the account of the bag and its index; a gap makes the exit status 1."""

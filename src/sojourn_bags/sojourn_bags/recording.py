@@ -5,7 +5,7 @@ It knows messages but no node and no executor; the recorder node feeds it.
 
 import struct
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from sojourn_bags.completeness import OUTSIDE_THE_RECORD, RECORD, Completeness, PublishedCounts, account
 from sojourn_bags.definitions import RUN_RECORD
@@ -24,7 +24,7 @@ from sojourn_contract.topics import ROLES
 
 CLOCK, TRUTH, ODOMETRY = "/clock", "/truth/odom", "/odom"
 RECORDER = "recorder"
-"""The role that writes, whose own farewell is none of the record's."""
+"""The role that writes."""
 
 
 class Recording:
@@ -68,7 +68,7 @@ class Recording:
         """Last period that a clock which may leap has told; None of another."""
         self._window = WindowOrder()
         self._published = PublishedCounts()
-        self._farewells = tuple(role for role in participants if role != RECORDER)
+        self._others = tuple(role for role in participants if role != RECORDER)
         self._arrived = {name: onset.before.get(name, 0) for name in self._channel_of}
         self._transforms = TransformSource()
         self._has_drive = "drive" in participants
@@ -131,11 +131,11 @@ class Recording:
         """Rows that the period in progress waits for."""
         return self._periods.missing()
 
-    def has_all(self, roles: Iterable[str]) -> bool:
-        """Whether these nodes have said farewell, and everything that they say they have sent is here."""
+    def has_all(self) -> bool:
+        """Whether all have said farewell, and everything that they say they have sent is here."""
         published = self._published.totals()
         here = all(self._arrived.get(name, count) >= count for name, count in published.items())
-        return here and self._published.has_ended(roles)
+        return here and self._have_ended
 
     def finish(self, run: Mapping[str, str]) -> Completeness:
         """Write what is left and close the bag with its account.
@@ -160,12 +160,17 @@ class Recording:
         return completeness
 
     @property
+    def _have_ended(self) -> bool:
+        """Whether all others have said farewell."""
+        return self._published.has_ended(self._others)
+
+    @property
     def _last_period(self) -> int:
         """Of lock-step: the one that has begun last; where all have said farewell the last that any has acted on, as
         they may have been told to end before the next.
         """
         periods = self._periods
-        return periods.last_answered if self._published.has_ended(self._farewells) else periods.last_begun
+        return periods.last_answered if self._have_ended else periods.last_begun
 
     def _hear(self, row: Topic, stamp: int, message: bytes) -> int | None:
         """Read a heartbeat. Returns its sender's rank, or None where it is no part of the record.

@@ -11,7 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bags.errors import BagsError
 from sojourn_bags.onset import RecordBeginning
-from sojourn_bags.recorded_run import ROLE as RECORDER
+from sojourn_bags.recording import RECORDER
 from sojourn_bringup.checkpoints import keeper_of
 from sojourn_bringup.composed_checkpoints import ComposedKeeper, OverheardNeighbours
 from sojourn_bringup.health import Health, Progress

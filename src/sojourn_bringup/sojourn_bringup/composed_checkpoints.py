@@ -8,7 +8,7 @@ nodes hold and what they have said to each other.
 from collections.abc import Mapping
 from typing import Any
 
-from sojourn_bags.recorded_run import ROLE as RECORDER
+from sojourn_bags.recording import RECORDER
 from sojourn_bringup.checkpoints import CheckpointKeeper
 from sojourn_contract.app_node import AppNode
 from sojourn_contract.checkpoint_times import common_grid

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from sojourn_bags.onset import RecordBeginning
-from sojourn_bags.recorded_run import ROLE as RECORDER
+from sojourn_bags.recording import RECORDER
 from sojourn_contract.role_state import RoleAtCheckpoint
 from sojourn_contract.topic_table import TopicTable
 from sojourn_stack.errors import MisfitError

@@ -5,7 +5,8 @@ from pathlib import Path
 
 from sojourn_bags.completeness import Completeness
 from sojourn_bags.onset import HEARTBEATS, TICK, TICK_PERIODS, Onset, Span, counted_by
-from sojourn_bags.recorded_run import ROLE, RecordedRun
+from sojourn_bags.recorded_run import RecordedRun
+from sojourn_bags.recording import RECORDER
 from sojourn_contract.codecs import encode
 from sojourn_contract.heartbeat import RUNNING, beats, heartbeat_message
 from sojourn_contract.stamps import seconds
@@ -65,7 +66,7 @@ class DirectRecorder:
             before, self._now = self._now, collected
             if beats(before, collected):
                 self._counters.count_published(HEARTBEATS)
-                self._take(topic(HEARTBEATS), heartbeat_message(ROLE, RUNNING, collected, self._counters))
+                self._take(topic(HEARTBEATS), heartbeat_message(RECORDER, RUNNING, collected, self._counters))
         while period := self._recording.write_period():
             if period % TICK_PERIODS == 0:
                 self._counters.count_published(TICK)
