@@ -56,6 +56,8 @@ STEER_RATE, STEER_READY = 0.3, 0.05
 REACHED_M, REACHED_RAD, ALIGNED_RAD = 0.05, 0.05, 0.1
 MAX_CURVATURE = 0.7
 CMD_VEL_LIFE_S = 0.5
+LONGEST_STEP_S = 0.02
+"""Setpoints go on by a period after a silence: the joints would leap after what was not said meanwhile."""
 
 # The contract
 PERIOD = 20_000_000
@@ -181,8 +183,9 @@ class Controller:
 
     def command(self, twist: tuple[float, float, float], angles: dict[str, float], dt: float) -> None:
         """Steer all wheels about the twist's centre; they roll once the steering is there."""
+        dt = min(dt, LONGEST_STEP_S)
         v_x, v_y, w = twist
-        moves = math.hypot(v_x, v_y) + abs(w) > 1e-6
+        wanted = moves = math.hypot(v_x, v_y) + abs(w) > 1e-6
         rims = {}
         for name, (x, y) in WHEELS.items():
             along, across = v_x - w * y, v_y + w * x
@@ -193,7 +196,7 @@ class Controller:
                 rims[name] = along
                 continue
             rims[name] = speed
-            if moves:
+            if wanted:
                 turn = max(-STEER_RATE * dt, min(STEER_RATE * dt, angle - self.steer[name]))
                 self.steer[name] += turn
                 ready = abs(angle - self.steer[name]) + abs(self.steer[name] - angles[name]) < STEER_READY

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from flight_drive import STEER_RATE, STEERED, Controller
 from programs import PATIENT, SHORT_RUN, Program
 from verdicts import faults_of_nodes
 
@@ -24,6 +25,13 @@ def test_it_knows_nothing_of_our_packages() -> None:
     imported |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     assert "rclpy" in imported
     assert not [name for name in imported if name.startswith("sojourn")]
+
+
+def test_it_steers_on_from_where_it_was_after_a_silence() -> None:
+    """A host that gave it no core for a second would make the joints leap after what it did not say."""
+    drive = Controller(0.0, 0.0, 0.0)
+    drive.command((0.0, 0.0, 0.1), dict.fromkeys(STEERED, 0.0), 0.5)
+    assert all(0.0 < abs(drive.steer[name]) <= STEER_RATE * 0.02 for name in STEERED)
 
 
 @pytest.mark.parametrize(

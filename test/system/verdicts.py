@@ -13,8 +13,14 @@ OF_TIME = {"rate", "answer", "heartbeat", "counter", "rate of change"}
 
 def faults_of_nodes(verdict: dict[str, Any]) -> list[dict[str, Any]]:
     """Groups of a verdict (`Report.as_data`) that no host can be the reason of."""
-    groups = [group for group in verdict["groups"] if group["rule"] not in OF_TIME]
-    return [group for group in groups if group["rule"] != "stamp" or group["first"][0]["field"] != "age"]
+    return [group for group in verdict["groups"] if not _may_be_of_the_host(group)]
+
+
+def _may_be_of_the_host(group: dict[str, Any]) -> bool:
+    """Whether it is about when something came, or a joint that makes up for commands which all came at once."""
+    rule, field = group["rule"], group["first"][0]["field"]
+    late = rule in OF_TIME or (rule == "stamp" and field == "age")
+    return late or (rule == "limit" and field.startswith("velocity["))
 
 
 def require_same(one: Bag, other: Bag) -> None:
