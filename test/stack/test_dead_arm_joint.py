@@ -36,8 +36,8 @@ def ran(folder: Path, kind: str, joint: str, seed: int, says: str) -> Bag:
     ("kind", "joint", "seed"),
     [
         ("joint_seized", "arm_elbow_joint", 1),
-        ("motor_dead", "arm_elbow_joint", 2),
-        ("servo_locked", "arm_wrist_joint", 3),
+        pytest.param("motor_dead", "arm_elbow_joint", 2, marks=pytest.mark.long),
+        pytest.param("servo_locked", "arm_wrist_joint", 3, marks=pytest.mark.long),
     ],
 )
 def test_a_joint_that_does_not_move_is_found_and_the_others_reach_the_goals(

@@ -32,6 +32,7 @@ def test_a_clean_sol_of_a_mars_exploration_rover(capsys: pytest.CaptureFixture[s
     assert abs(found["energy_not_explained"]) < 1e-9
 
 
+@pytest.mark.long
 def test_sols_that_follow_each_other_are_alike(capsys: pytest.CaptureFixture[str]) -> None:
     """The night takes what the day gives, and the machine wakes each morning."""
     sols = days(capsys, "mars_sol", "--step", "300", "--days", "4")["days"]
@@ -63,6 +64,7 @@ def test_a_lunar_night_is_outlived_by_radioisotope_heat(capsys: pytest.CaptureFi
     assert abs(found["energy_not_explained"]) < 1e-9
 
 
+@pytest.mark.long
 def test_without_it_the_night_is_the_end(capsys: pytest.CaptureFixture[str]) -> None:
     """The battery has the heater burn for a day and is empty and cold after it: Lunokhod carried polonium for this."""
     found = days(capsys, *NIGHT, *UNHEATED)

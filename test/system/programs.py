@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import Any
 
 import pytest
 
@@ -155,6 +156,12 @@ class Program:
             except subprocess.TimeoutExpired:
                 self.send(signal.SIGKILL)
                 self.process.wait(LONGEST_S)
+
+
+def chosen(request: pytest.FixtureRequest, name: str) -> list[Any]:
+    """Values of a parameter with which tests of this module are to run: nobody else's runs have to be made."""
+    here = [item for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
+    return list(dict.fromkeys(item.callspec.params[name] for item in here if name in item.callspec.params))
 
 
 def demos(options: Mapping[str, Sequence[str]], folder: Path) -> dict[str, tuple[int, str, Path]]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import demos
+from programs import chosen, demos
 
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
@@ -26,16 +26,18 @@ COURSES: dict[str, tuple[str, tuple[str, ...]]] = {
     "cylindrical": ("cylindrical_course", ()),  # two of four joints slide
 }
 """Scenario and overrides."""
+LONG = {"ssrms"}
+"""Moves when all tests run: each of its places takes a minute; test/stack/test_spacecraft.py has such an arm, too."""
 DISTANCE_M, ANGLE_RAD = 0.002, 0.0087
 """What the turret of the explorer is asked for, too: 2 mm and half a degree."""
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
-    options = {
-        course: ["--scenario", scenario, *(word for text in overrides for word in ("--set", text))]
-        for course, (scenario, overrides) in COURSES.items()
-    }
+def runs(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
+    options = {}
+    for course in chosen(request, "course"):
+        scenario, overrides = COURSES[course]
+        options[course] = ["--scenario", scenario, *(word for text in overrides for word in ("--set", text))]
     return demos(options, tmp_path_factory.mktemp("arms"))
 
 
@@ -47,7 +49,9 @@ def true_joints_at(bag: Bag, names: tuple[str, ...], time_s: float) -> FloatArra
     return np.array([told.position[row, told.index(name)] for name in names])
 
 
-@pytest.mark.parametrize("course", COURSES)
+@pytest.mark.parametrize(
+    "course", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in COURSES]
+)
 def test_it_reaches_its_goals_in_truth_and_keeps_the_contract(
     course: str, runs: dict[str, tuple[int, str, Path]]
 ) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import demos
+from programs import chosen, demos
 
 from sojourn_bags.machine import euler_angles, poses_of
 from sojourn_bags.reading import Bag, read_bag
@@ -17,13 +17,16 @@ from sojourn_config.scenario import load_scenario
 DRIVEN_AS_EXPLORER = {"explorer_isotope", "explorer_night", "explorer_solar"}
 """They are fed and warmed otherwise, and drive its course to the last bit."""
 ROVERS = [name for name in available("machines") if machine_config(name).stands_on and name not in DRIVEN_AS_EXPLORER]
+LONG = {"articulated", "explorer_cameras", "lunokhod", "micro", "skid"}
+"""Drive their courses when all tests run; what is particular to each is asked of it by shorter tests as well."""
 SLOPE_DEG = {"tracked": 15.0}
 """Where it is not 10."""
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
-    return demos({rover: ["--machine", rover, "--direct"] for rover in ROVERS}, tmp_path_factory.mktemp("courses"))
+def runs(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, Path]]:
+    options = {rover: ["--machine", rover, "--direct"] for rover in chosen(request, "rover")}
+    return demos(options, tmp_path_factory.mktemp("courses"))
 
 
 def track(bag: Bag) -> tuple[np.ndarray, np.ndarray]:
@@ -32,7 +35,9 @@ def track(bag: Bag) -> tuple[np.ndarray, np.ndarray]:
     return poses[:, :3], -np.degrees(euler_angles(poses[:, 3:])[:, 1])
 
 
-@pytest.mark.parametrize("rover", ROVERS)
+@pytest.mark.parametrize(
+    "rover", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in ROVERS]
+)
 def test_course(rover: str, runs: dict[str, tuple[int, str, Path]]) -> None:
     status, said, folder = runs[rover]
     assert status == 0, said

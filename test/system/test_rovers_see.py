@@ -12,7 +12,9 @@ HERE = Path(__file__).parent
 STONE = (2.7, 0.05)
 
 
-@pytest.mark.parametrize("rover", ["lunokhod", "micro", "skid", "tracked"])
+@pytest.mark.parametrize(
+    "rover", ["micro", *(pytest.param(name, marks=pytest.mark.long) for name in ("lunokhod", "skid", "tracked"))]
+)
 def test_it_goes_round_a_stone_that_only_its_cameras_tell_of(rover: str, tmp_path: Path, domain: int) -> None:
     given = (HERE / "seen_stone.yaml", "--direct", "--set", f"machine={rover}", "--run-dir", tmp_path / "run")
     program = Program("start", [str(one) for one in (*given, *PATIENT, "--domain", domain)], tmp_path / "log")

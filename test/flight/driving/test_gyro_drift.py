@@ -13,7 +13,7 @@ DT, SEEDS = 1.0, 200
 
 
 @pytest.mark.parametrize("machine", ["explorer", "micro"])
-@pytest.mark.parametrize("standing,driving", [(10.0, 100.0), (600.0, 400.0)])
+@pytest.mark.parametrize("standing,driving", [(10.0, 100.0), pytest.param(600.0, 400.0, marks=pytest.mark.long)])
 def test_the_heading_is_within_its_bound_over_seeds(
     machine: str, standing: float, driving: float, explorer: SteeringGeometryParams
 ) -> None:

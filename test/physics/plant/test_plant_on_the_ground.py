@@ -85,7 +85,8 @@ def test_energy_comes_from_the_battery(flat: Any) -> None:
 @pytest.mark.parametrize(
     ("overrides", "seconds"),
     [
-        ((), 600.0),
+        ((), 60.0),
+        pytest.param((), 600.0, marks=pytest.mark.long),
         (("start.yaw=1.5708",), 30.0),
         (("start.yaw=0.7",), 20.0),
         (("machine=lunokhod", "terrain.slope_deg=20.0"), 30.0),
