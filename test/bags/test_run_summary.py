@@ -146,6 +146,10 @@ def test_goal_in_base_link_is_the_same_place(tmp_path: Path) -> None:
         ({"goal_off": 0.31}, "1 of 4 goals not met: drive along 2 points"),
         ({"arm_off": 0.0052}, "reached, 5.2 mm off."),
         ({"drive_state": "refused"}, "refused (blocked by a rock)"),
+        (
+            {"drive_state": "moving"},
+            "Under way when the record ended, 1 of 4 goals: drive along 2 points to (5.98, ",
+        ),
     ],
 )
 def test_goal_that_was_not_met_is_named(options: dict[str, float], words: str, tmp_path: Path) -> None:

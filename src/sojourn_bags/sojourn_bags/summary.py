@@ -18,6 +18,7 @@ from sojourn_bags.detection import judge_faults, sentence
 from sojourn_bags.goals import (
     ARM_TOPICS,
     DRIVE_TOPICS,
+    UNFINISHED,
     GoalResult,
     Limits,
     judge_goals,
@@ -199,19 +200,28 @@ _NO_GOALS = ("No goals were asked for.", "No goals were asked for in this record
 
 def _verdict(summary: dict[str, Any], results: list[GoalResult], who: str, unsent: str) -> str:
     """For a person, "" where nothing is to be told; `who`: what to call the machine, `unsent`: what to say of steps."""
-    unmet = [result for result in results if not result.met]
+    unmet = [result for result in results if not result.met and result.outcome != UNFINISHED]
+    under_way = [result for result in results if result.outcome == UNFINISHED]
     parts = []
     if summary["rolled_over"]:
         parts.append(f"The rover rolled over: it tilted by {summary['max_tilt_deg']:.0f} degrees.")
     if unmet:
         first = unmet[0]
         why = f" ({first.reason})" if first.reason else ""
-        error = "" if first.error_m is None else f", {length_in_words(first.error_m)} off"
-        parts.append(f"{len(unmet)} of {len(results)} goals not met: {first.goal.what}: {first.outcome}{why}{error}.")
+        parts.append(
+            f"{len(unmet)} of {len(results)} goals not met: {first.goal.what}: {first.outcome}{why}{_off(first)}."
+        )
+    if under_way:
+        which = ", ".join(f"{result.goal.what}{_off(result)}" for result in under_way)
+        parts.append(f"Under way when the record ended, {len(under_way)} of {len(results)} goals: {which}.")
     parts.append(unsent)
     if summary["all_met"] and results:
         parts.append(_success(summary, who))
     return " ".join(filter(None, parts))
+
+
+def _off(result: GoalResult) -> str:
+    return "" if result.error_m is None else f", {length_in_words(result.error_m)} off"
 
 
 def _success(summary: dict[str, Any], who: str) -> str:
