@@ -8,8 +8,9 @@ import pytest
 
 from sojourn_config.load import load_params
 from sojourn_physics.environment.body import BodyParams
-from sojourn_physics.environment.site import SiteParams
+from sojourn_physics.environment.site import SiteParams, site_frame
 from sojourn_physics.environment.sun.dusty_sky import flux_of_season, light_under_dust
+from sojourn_physics.environment.sun.ephemeris import earth_from, sun_from
 from sojourn_physics.environment.sun.instant import instant
 from sojourn_physics.environment.sun.mars_time import mars_time
 from sojourn_physics.environment.sun.over import SunOver
@@ -92,6 +93,35 @@ def test_the_moon_is_eclipsed_when_it_was_foretold(day: str) -> None:
         assert first - 180.0 <= dark[0] <= second + 180.0
         assert third - 180.0 <= dark[-1] <= last + 180.0
         assert (np.diff(np.flatnonzero(seen < 1.0)) == 1).all()
+
+
+# Sun's altitude and azimuth, Earth's altitude and azimuth [deg] over the landing sites: Apollo Lunar Surface Journal
+# (NASA), "Sun and Earth: altitudes and azimuths", after J. Scotti; with another ephemeris they are up to 0.5 deg off
+APOLLO_11, APOLLO_12 = (0.6875, 23.4333), (-3.1975, -23.3856)
+SKIES = [
+    (APOLLO_11, "1969-07-20T20:17:39Z", (10.65, 88.81, 59.43, 272.16)),
+    (APOLLO_11, "1969-07-21T05:11:13Z", (15.17, 88.85, 59.27, 273.17)),
+    (APOLLO_11, "1969-07-21T17:54:00Z", (21.65, 88.91, 59.09, 274.58)),
+    (APOLLO_12, "1969-11-19T06:54:36Z", (5.19, 91.16, 61.56, 86.95)),
+    (APOLLO_12, "1969-11-20T03:54:45Z", (15.79, 90.60, 61.48, 89.65)),
+    (APOLLO_12, "1969-11-20T14:25:47Z", (21.11, 90.33, 61.48, 90.88)),
+]
+
+
+@pytest.mark.parametrize("place,time,published", SKIES)
+def test_sun_and_earth_stood_over_apollo_where_its_journal_has_them(
+    place: tuple[float, float], time: str, published: tuple[float, float, float, float]
+) -> None:
+    """Its Earth agrees as seen from the Moon's centre; from the ground it stands an eighth of a degree lower."""
+    moon = load_params("bodies", "moon", BodyParams)
+    at = instant(datetime.fromisoformat(time).timestamp())
+    frame = site_frame(SiteParams(latitude_deg=place[0], longitude_deg=place[1]), moon.semi_axes)
+    found = []
+    for seen in (sun_from("moon", at), earth_from("moon", at)):
+        east, north, up = frame.rotation.T @ np.array(seen.direction)
+        found += [math.degrees(math.asin(up)), math.degrees(math.atan2(east, north)) % 360.0]
+    assert found[:2] == pytest.approx(published[:2], abs=0.03)
+    assert found[2:] == pytest.approx(published[2:], abs=0.07)
 
 
 def test_io_is_in_jupiters_shadow_at_noon_where_it_faces_jupiter() -> None:

@@ -203,9 +203,19 @@ def test_a_leap_second_begins_with_its_day() -> None:
     assert 86400.0 * (after.terrestrial - before.terrestrial) == pytest.approx(2.0, abs=1e-4)
 
 
-@pytest.mark.parametrize("year", [1971, 2100])
+def test_before_leap_seconds_the_earth_lags_as_it_did() -> None:
+    """TT - UT1 of The Astronomical Almanac, p. K9; it goes over into that of 1972 without a step."""
+    for year, seconds in ((1958, 32.18), (1960, 33.15), (1962, 34.00), (1967, 37.43), (1969, 39.20), (1971, 41.17)):
+        at = date(year, 1, 1, 0)
+        assert 86400.0 * (at.terrestrial - at.universal) == pytest.approx(seconds, abs=0.2)
+    day = datetime(1972, 1, 1, tzinfo=UTC).timestamp()
+    before, after = instant(day - 1.0), instant(day)
+    assert 86400.0 * (after.terrestrial - before.terrestrial) == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("year", [1957, 2100])
 def test_other_years_are_refused(year: int) -> None:
-    with pytest.raises(InvalidValueError, match="1972 to 2099"):
+    with pytest.raises(InvalidValueError, match="1958 to 2099"):
         date(year, 12, 31)
 
 

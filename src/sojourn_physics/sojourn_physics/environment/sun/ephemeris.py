@@ -10,7 +10,7 @@ Sources: `orbits`, `lunar_orbit`, `orientation`; aberration: Meeus (1998), ch. 2
 for Earth, Moon, Mercury and Venus, 0.03 deg for Mars, 0.08 deg for Phobos (the most found against DE421, 1973 to 2052);
 0.2 deg for Jupiter, Saturn and their moons (which are taken to be where their planet is: another 0.15 deg for Callisto
 and Iapetus), 0.1 deg farther out; see `orbits` for small bodies. Of the Earth: 0.04 deg from the Moon, 0.1 deg and 4e-4
-au from Mars. Range: 1972 to 2100, in the last half century of it a few times less accurate.
+au from Mars. Range: 1958 to 2100, in the last half century of it a few times less accurate.
 """
 
 import math

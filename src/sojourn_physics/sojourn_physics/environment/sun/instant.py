@@ -5,13 +5,17 @@
 Terrestrial Time TT runs evenly; the motion of all bodies is a function of it (it differs from the time of the solar
 system's centre, TDB, by less than 2 ms). TAI - UTC grew by leap seconds to 37 s in 2017; later ones are not known, and
 a second turns Mars by 0.004 deg. The turning Earth is a function of UT1, which UTC follows within 0.9 s (0.004 deg).
+Before leap seconds began, in 1972, UTC was kept near UT1 by small steps and rates: TT - UT1 is taken for the
+difference, linear between the years of a table, right within 0.2 s.
 
 Source: IERS Bulletin C (leap seconds); Seidelmann and Urban (2013), Explanatory Supplement to the Astronomical Almanac,
-ch. 3. Range: 1972, when leap seconds began, to 2100.
+ch. 3, and The Astronomical Almanac, p. K9 (TT - UT1). Range: 1958, when atomic time began, to 2100.
 """
 
 from bisect import bisect_right
 from typing import NamedTuple
+
+import numpy as np
 
 from sojourn_machine.errors import InvalidValueError
 
@@ -23,8 +27,10 @@ J2000 = 51544.5
 """2000 January 1, 12 h, as a Modified Julian Date [d]."""
 _UNIX = 40587.0
 """1970 January 1, 0 h [d]."""
-_FIRST, _LAST = 41317.0, 88069.0
-"""1972 January 1 and 2100 January 1 [d]."""
+_LAST = 88069.0
+"""2100 January 1 [d]."""
+_BEFORE_LEAPS = ((36204.0, 37665.0, 38761.0, 40587.0, 41317.0), (32.18, 34.0, 35.73, 40.18, 42.184))
+"""TT - UT1 in January of 1958, 1962, 1965, 1970 and 1972 [d], [s]."""
 _TAI_AHEAD_IN_1972 = 10
 _LEAPS = (
     *(41499, 41683, 42048, 42413, 42778, 43144, 43509, 43874, 44239, 44786, 45151, 45516, 46247, 47161),
@@ -57,8 +63,12 @@ def instant(unix_time: float) -> Instant:
         InvalidValueError: out of range.
     """
     date = unix_time / DAY + _UNIX
-    if not _FIRST <= date < _LAST:
-        raise InvalidValueError("time", date, f"{_FIRST:g} to {_LAST:g} (modified Julian date), the years 1972 to 2099")
-    ahead = 32.184 + _TAI_AHEAD_IN_1972 + bisect_right(_LEAPS, date)
+    (first, *_, leaps_begin), ahead_then = _BEFORE_LEAPS
+    if not first <= date < _LAST:
+        raise InvalidValueError("time", date, f"{first:g} to {_LAST:g} (modified Julian date), the years 1958 to 2099")
+    if date < leaps_begin:
+        ahead = float(np.interp(date, _BEFORE_LEAPS[0], ahead_then))
+    else:
+        ahead = 32.184 + _TAI_AHEAD_IN_1972 + bisect_right(_LEAPS, date)
     universal = date - J2000
     return Instant(universal + ahead / DAY, universal)
