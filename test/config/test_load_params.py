@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 from pydantic import Field, model_validator
 
 from sojourn_config.errors import ConfigError, Problem
+from sojourn_config.extends import read_document
 from sojourn_config.load import load_params, validate
-from sojourn_config.overrides import apply_overrides, route_overrides, split_override
+from sojourn_config.overrides import override_document, route_overrides, split_override
 from sojourn_config.paths import config_folder, resolve_urdf, urdf_folder
 from sojourn_config.scenario import load_scenario
-from sojourn_config.yaml_file import parse_yaml
+from sojourn_config.yaml_file import YamlDocument, parse_yaml
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.names import nearest
 from sojourn_machine.params import Params
@@ -214,17 +215,44 @@ def test_environment_names_another_config(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_overrides_set_values_and_leave_the_rest() -> None:
-    data = parse_yaml("a: 1\nb: {c: [1, {d: 2}]}\n", "x").data
-    found = apply_overrides(data, ["a=2.5", "b.c[1].d=text", "b.c[0]=[1, 2]", "e.f=true"])
-    assert found == {"a": 2.5, "b": {"c": [[1, 2], {"d": "text"}]}, "e": {"f": True}}
-    assert data == {"a": 1, "b": {"c": [1, {"d": 2}]}}
+    document = parse_yaml("a: 1\nb: {c: [1, {d: 2}]}\n", "x")
+    found = override_document(document, ["a=2.5", "b.c[1].d=text", "b.c[0]=[1, 2]", "e.f=true"])
+    assert found.data == {"a": 2.5, "b": {"c": [[1, 2], {"d": "text"}]}, "e": {"f": True}}
+    assert document.data == {"a": 1, "b": {"c": [1, {"d": 2}]}}
+
+
+def test_a_table_that_is_set_builds_on_a_part_and_nothing_of_the_old_one_is_left() -> None:
+    """Its kind was told to be missing in the file of the part that it replaces."""
+    plain = read_document(config_folder() / "machines" / "explorer_isotope" / "power.yaml")
+    found = override_document(plain, ["sources.generator={extends: krusty, leak: 0.5}"])
+    generator = found.data["sources"]["generator"]  # type: ignore[index, call-overload]
+    assert generator["kind"] == "fission_reactor" and generator["leak"] == 0.5 and "extends" not in generator
+    assert not [key for key in generator if key in plain.data["sources"]["generator"] and key != "kind"]  # type: ignore[index, call-overload]
+    assert found.place(("sources", "generator", "kind"))[0].startswith("--set sources.generator={extends: krusty")
+    assert "config/parts/krusty.yaml" in found.texts and not [name for name in found.texts if name.startswith("--set")]
+    with pytest.raises(ConfigError, match="did you mean krusty"):
+        override_document(plain, ["sources.generator={extends: krust}"])
 
 
 @pytest.mark.parametrize("text", ["a", "=3", "a..b=1", "a[x]=1", "a.c=1", "b.c[7]=1", "b.c.d=1", "b[0]=1", "a=[1", ""])
 def test_overrides_that_cannot_be(text: str) -> None:
-    data = parse_yaml("a: 1\nb: {c: [1, {d: 2}]}\n", "x").data
+    document = parse_yaml("a: 1\nb: {c: [1, {d: 2}]}\n", "x")
     with pytest.raises(ConfigError, match="--set"):
-        apply_overrides(data, [text])
+        override_document(document, [text])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("power.sources.generator=3", "power: a file, known by its tables: allowed is battery or stores or sources"),
+        ("batery_soc=3", "did you mean battery_soc"),
+        ("sourcse={}", "did you mean sources"),
+    ],
+)
+def test_a_first_word_of_no_file_is_told_with_those_of_all(text: str, words: str) -> None:
+    """Only the scenario's own keys were told, and none of the machine's files."""
+    with pytest.raises(ConfigError, match=words):
+        load_scenario("flat_drive", [text])
 
 
 def test_problem_of_an_override_names_the_override() -> None:
@@ -249,7 +277,7 @@ def test_overrides_go_to_the_file_they_are_for() -> None:
 def test_an_override_arrives_where_its_key_says(path: list[str], value: int) -> None:
     text = f"{'.'.join(path)}={value}"
     assert split_override(text) == (tuple(path), str(value))
-    here: object = apply_overrides({}, [text])
+    here: object = override_document(YamlDocument("x", {}), [text]).data
     for part in path:
         assert isinstance(here, dict)
         here = here[part]

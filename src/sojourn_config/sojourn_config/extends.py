@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from sojourn_config.errors import ConfigError
 from sojourn_config.paths import SUFFIX, config_folder, display, is_path, named_file
-from sojourn_config.yaml_file import Data, KeyPath, YamlDocument, dotted, read_yaml
+from sojourn_config.yaml_file import Data, KeyPath, YamlDocument, dotted, parse_yaml, read_yaml
 from sojourn_machine.names import names_text
 
 EXTENDS = "extends"
@@ -29,6 +29,25 @@ def read_document(path: Path, kind: str = PARTS) -> YamlDocument:
         ConfigError: a file cannot be read or is no YAML, see `read_yaml`; a base that is not there, or a ring of them.
     """
     return _SetReader(kind).read(path, ())
+
+
+def read_value(text: str, asked_by: str) -> tuple[Data, dict[str, str]]:
+    """A value of the command line, with all that tables in it build on: sets of `config/parts`, paths from the working
+    folder.
+
+    Args:
+        text: number, true, false, null, text, a [list] or a {table}. asked_by: for messages.
+
+    Returns:
+        the value, and the text of every file that it is made of, by name.
+
+    Raises:
+        ConfigError: it is not YAML; or as `read_document`.
+    """
+    plain = parse_yaml(f"value: {text}", asked_by)
+    layer = _Layer(_SetReader(PARTS), plain, Path.cwd() / "--set", ())
+    value = layer.table(plain.data, ())["value"]
+    return value, {name: text for name, text in layer.merged.texts.items() if name != asked_by}
 
 
 class _Base(NamedTuple):

@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 
 from sojourn_config.errors import MISSING, single
-from sojourn_config.yaml_file import MOST_DEPTH, Data, KeyPath, YamlDocument, parse_value
+from sojourn_config.extends import read_value
+from sojourn_config.yaml_file import MOST_DEPTH, Data, KeyPath, YamlDocument
 
 BELIEF = "belief"
 """First word of an override that changes what the machine's own computer takes for true."""
@@ -33,30 +34,27 @@ def split_override(text: str) -> tuple[KeyPath, str]:
     return tuple(path), value.strip()
 
 
-def apply_overrides(data: dict[str, Data], overrides: Sequence[str]) -> dict[str, Data]:
-    """A copy of `data` with every `KEY=VALUE` set. A key that is not there is added: the schema judges it.
-
-    Raises:
-        ConfigError: not KEY=VALUE, or a path that goes through a value that is no table or list.
-    """
-    result = copy.deepcopy(data)
-    for text in overrides:
-        path, value = split_override(text)
-        _set(result, path, parse_value(value, f"--set {text}"), text)
-    return result
-
-
 def override_document(document: YamlDocument, overrides: Sequence[str]) -> YamlDocument:
-    """The document with overrides applied, which remembers where each value is from.
+    """The document with every `KEY=VALUE` set, which remembers where each value is from. A key that is not there is
+    added: the schema judges it. A value may build on a part: `sources.generator={extends: krusty}`.
 
     Raises:
-        ConfigError: as `apply_overrides`.
+        ConfigError: not KEY=VALUE, or a path that goes through a value that is no table or list; of the value see
+            `read_value`.
     """
     if not overrides:
         return document
-    changed = dict(document.overridden)
-    changed.update((split_override(text)[0], text) for text in overrides)
-    return dataclasses.replace(document, data=apply_overrides(document.data, overrides), overridden=changed)
+    data, texts = copy.deepcopy(document.data), dict(document.texts)
+    set_by: dict[KeyPath, str] = {}
+    for text in overrides:
+        path, value_text = split_override(text)
+        value, files = read_value(value_text, f"--set {text}")
+        _set(data, path, value, text)
+        set_by[path] = text
+        texts |= files
+    # what stood in a table that is replaced has no place any more
+    lines = {path: line for path, line in document.lines.items() if not any(path[: len(key)] == key for key in set_by)}
+    return dataclasses.replace(document, data=data, lines=lines, overridden=document.overridden | set_by, texts=texts)
 
 
 def route_overrides(

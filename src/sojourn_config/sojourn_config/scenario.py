@@ -10,7 +10,7 @@ from pydantic import Field, field_validator
 
 from sojourn_config import machine_reader
 from sojourn_config.bundle import Bundle, BundleReader
-from sojourn_config.errors import ConfigError, Problem, single
+from sojourn_config.errors import MISSING, ConfigError, Problem, single
 from sojourn_config.extends import read_document
 from sojourn_config.flight import FlightScenario
 from sojourn_config.known_machine import KnownMachine
@@ -24,6 +24,7 @@ from sojourn_flight.hazards.zone_params import KeepOutZone
 from sojourn_flight.power_manager.activities import ActivityParams
 from sojourn_machine.errors import InvalidValueError, MachineError
 from sojourn_machine.fault_choice import Fault
+from sojourn_machine.names import names_text
 from sojourn_machine.params import Params
 from sojourn_machine.timing import CONTROL_PERIOD_S
 from sojourn_machine.tools import ObjectParams
@@ -311,9 +312,15 @@ def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
 
 
 def _routed(overrides: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
-    """As `route_overrides`. Raises ConfigError: a whole file that the scenario does not name."""
+    """As `route_overrides`. Raises ConfigError: a whole file that the scenario does not name, or a word of no file."""
     for text in overrides:
         path, value = split_override(text)
+        words = {*ScenarioConfig.model_fields, *HEADS}
+        if path[0] not in words:
+            tables = machine_reader.FILES.get(str(path[0]), ())
+            by_tables = f"a file, known by its tables: allowed is {' or '.join(tables)} in its place"
+            allowed = by_tables if tables else f"unknown key: {names_text(str(path[0]), words)}"
+            raise single(f"--set {text}", str(path[0]), MISSING, allowed)
         if len(path) == 1 and path[0] in set(HEADS).difference(machine_reader.TABLES, ScenarioConfig.model_fields):
             allowed = f"stands for a file of the machine: allowed is {path[0]}.KEY=VALUE"
             raise single(f"--set {text}", str(path[0]), value, allowed)

@@ -64,9 +64,9 @@ class SetReader:
     def document(self, path: Path, kind: str, overrides: Sequence[str] = ()) -> YamlDocument | None:
         """A file with all that it builds on and the overrides over it; None with the reason in `problems`."""
         try:
-            plain = read_document(path, kind)
-            self.files |= plain.texts
-            return override_document(plain, overrides)
+            found = override_document(read_document(path, kind), overrides)
+            self.files |= found.texts
+            return found
         except ConfigError as error:
             self.problems += error.problems
             return None
