@@ -56,8 +56,6 @@ STEER_RATE, STEER_READY = 0.3, 0.05
 REACHED_M, REACHED_RAD, ALIGNED_RAD = 0.05, 0.05, 0.1
 MAX_CURVATURE = 0.7
 CMD_VEL_LIFE_S = 0.5
-LONGEST_STEP_S = 0.02
-"""Setpoints go on by a period after a silence: the joints would leap after what was not said meanwhile."""
 
 # The contract
 PERIOD = 20_000_000
@@ -183,7 +181,7 @@ class Controller:
 
     def command(self, twist: tuple[float, float, float], angles: dict[str, float], dt: float) -> None:
         """Steer all wheels about the twist's centre; they roll once the steering is there."""
-        dt = min(dt, LONGEST_STEP_S)
+        dt = min(dt, PERIOD * 1e-9)  # after a silence the joints would leap after what was not said meanwhile
         v_x, v_y, w = twist
         wanted = moves = math.hypot(v_x, v_y) + abs(w) > 1e-6
         rims = {}

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
@@ -156,6 +156,11 @@ class Program:
             except subprocess.TimeoutExpired:
                 self.send(signal.SIGKILL)
                 self.process.wait(LONGEST_S)
+
+
+def with_long(names: Iterable[str], long: Collection[str]) -> list[Any]:
+    """Values of a parameter, marked as long where they are."""
+    return [pytest.param(name, marks=pytest.mark.long) if name in long else name for name in names]
 
 
 def chosen(request: pytest.FixtureRequest, name: str) -> list[Any]:

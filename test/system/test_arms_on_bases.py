@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import chosen, demos
+from programs import chosen, demos, with_long
 
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import Bag, read_bag
@@ -49,9 +49,7 @@ def true_joints_at(bag: Bag, names: tuple[str, ...], time_s: float) -> FloatArra
     return np.array([told.position[row, told.index(name)] for name in names])
 
 
-@pytest.mark.parametrize(
-    "course", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in COURSES]
-)
+@pytest.mark.parametrize("course", with_long(COURSES, LONG))
 def test_it_reaches_its_goals_in_truth_and_keeps_the_contract(
     course: str, runs: dict[str, tuple[int, str, Path]]
 ) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from flight_drive import STEER_RATE, STEERED, Controller
+from flight_drive import PERIOD, STEER_RATE, STEERED, Controller
 from programs import PATIENT, SHORT_RUN, Program
 from verdicts import faults_of_nodes
 
@@ -31,7 +31,7 @@ def test_it_steers_on_from_where_it_was_after_a_silence() -> None:
     """A host that gave it no core for a second would make the joints leap after what it did not say."""
     drive = Controller(0.0, 0.0, 0.0)
     drive.command((0.0, 0.0, 0.1), dict.fromkeys(STEERED, 0.0), 0.5)
-    assert all(0.0 < abs(drive.steer[name]) <= STEER_RATE * 0.02 for name in STEERED)
+    assert all(0.0 < abs(drive.steer[name]) <= STEER_RATE * PERIOD * 1e-9 for name in STEERED)
 
 
 @pytest.mark.parametrize(

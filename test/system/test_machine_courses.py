@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import chosen, demos
+from programs import chosen, demos, with_long
 
 from sojourn_bags.machine import euler_angles, poses_of
 from sojourn_bags.reading import Bag, read_bag
@@ -35,9 +35,7 @@ def track(bag: Bag) -> tuple[np.ndarray, np.ndarray]:
     return poses[:, :3], -np.degrees(euler_angles(poses[:, 3:])[:, 1])
 
 
-@pytest.mark.parametrize(
-    "rover", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in ROVERS]
-)
+@pytest.mark.parametrize("rover", with_long(ROVERS, LONG))
 def test_course(rover: str, runs: dict[str, tuple[int, str, Path]]) -> None:
     status, said, folder = runs[rover]
     assert status == 0, said

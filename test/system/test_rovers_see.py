@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import PATIENT, Program
+from programs import PATIENT, Program, with_long
 
 from sojourn_bags.reading import read_bag
 
@@ -12,9 +12,7 @@ HERE = Path(__file__).parent
 STONE = (2.7, 0.05)
 
 
-@pytest.mark.parametrize(
-    "rover", ["micro", *(pytest.param(name, marks=pytest.mark.long) for name in ("lunokhod", "skid", "tracked"))]
-)
+@pytest.mark.parametrize("rover", with_long(["lunokhod", "micro", "skid", "tracked"], {"lunokhod", "skid", "tracked"}))
 def test_it_goes_round_a_stone_that_only_its_cameras_tell_of(rover: str, tmp_path: Path, domain: int) -> None:
     given = (HERE / "seen_stone.yaml", "--direct", "--set", f"machine={rover}", "--run-dir", tmp_path / "run")
     program = Program("start", [str(one) for one in (*given, *PATIENT, "--domain", domain)], tmp_path / "log")

@@ -313,17 +313,18 @@ def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
 
 def _routed(overrides: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
     """As `route_overrides`. Raises ConfigError: a whole file that the scenario does not name, or a word of no file."""
+    words = {*ScenarioConfig.model_fields, *HEADS}
+    files = set(HEADS).difference(machine_reader.TABLES, ScenarioConfig.model_fields)
     for text in overrides:
         path, value = split_override(text)
-        words = {*ScenarioConfig.model_fields, *HEADS}
-        if path[0] not in words:
-            tables = machine_reader.FILES.get(str(path[0]), ())
+        head = str(path[0])
+        if head not in words:
+            tables = machine_reader.FILES.get(head, ())
             by_tables = f"a file, known by its tables: allowed is {' or '.join(tables)} in its place"
-            allowed = by_tables if tables else f"unknown key: {names_text(str(path[0]), words)}"
-            raise single(f"--set {text}", str(path[0]), MISSING, allowed)
-        if len(path) == 1 and path[0] in set(HEADS).difference(machine_reader.TABLES, ScenarioConfig.model_fields):
-            allowed = f"stands for a file of the machine: allowed is {path[0]}.KEY=VALUE"
-            raise single(f"--set {text}", str(path[0]), value, allowed)
+            allowed = by_tables if tables else f"unknown key: {names_text(head, words)}"
+            raise single(f"--set {text}", head, MISSING, allowed)
+        if len(path) == 1 and head in files:
+            raise single(f"--set {text}", head, value, f"stands for a file of the machine: allowed is {head}.KEY=VALUE")
     return route_overrides(overrides, HEADS, machine_reader.TABLES)
 
 
