@@ -15,9 +15,15 @@ from sojourn_physics.terrain.height_field import HeightField
 
 
 def slope(rise: float = 0.1, across: float = -0.05) -> HeightField:
-    """A plane z = 1 + rise x + across y, 20 m by 12 m; the northern half of it of another soil."""
+    """A plane z = 1 + rise x + across y, 20 m by 12 m; of another soil where y is over -3 m."""
     y, x = np.mgrid[-6.0:6.01:0.1, -10.0:10.01:0.1]
-    return HeightField(1.0 + rise * x + across * y, (y > 0.0).astype(np.uint8), 0.1, -10.0, -6.0, ("one", "other"))
+    return HeightField(1.0 + rise * x + across * y, (y > -3.0).astype(np.uint8), 0.1, -10.0, -6.0, ("one", "other"))
+
+
+def sunlit(field: HeightField) -> GroundTiles:
+    tiles = GroundTiles(field)
+    tiles.light.shine(np.array([0.0, 0.0, 1.0]), 0.005)
+    return tiles
 
 
 def test_tiles_cover_the_ground_and_lie_on_it() -> None:
@@ -34,15 +40,23 @@ def test_tiles_cover_the_ground_and_lie_on_it() -> None:
     assert sum((one[1] - one[0])[:2].prod() for one in corners) == pytest.approx(240.0, rel=1e-5)
 
 
-def test_soils_have_their_colours_with_north_up() -> None:
+def test_what_shadows_fall_on_is_the_same_ground() -> None:
     tiles = GroundTiles(slope())
-    picture = tiles.picture(next(iter(tiles.keys()))).astype(float)  # the tile from y = -6 to 2 m
+    mesh = trimesh.load(io.BytesIO(tiles.unseen()), file_type="glb", force="mesh")
+    x, y, z = mesh.vertices.T
+    assert z == pytest.approx(1.0 + 0.1 * x - 0.05 * y, abs=1e-5)
+    assert mesh.area_faces @ mesh.face_normals[:, 2] == pytest.approx(240.0, rel=1e-5)
+
+
+def test_soils_have_their_colours_with_north_up() -> None:
+    tiles = sunlit(slope())
+    picture = tiles.picture(next(iter(tiles.keys()))).astype(float)  # the tile from y = -6 to 0 m
     upper, lower = picture[:20].mean(axis=(0, 1)), picture[-20:].mean(axis=(0, 1))
     assert np.abs(upper - lower).max() > 30.0
 
 
 def test_a_rut_darkens_the_ground_where_it_is_and_nowhere_else() -> None:
-    tiles = GroundTiles(slope())
+    tiles = sunlit(slope())
     before = {key: tiles.picture(key).astype(int) for key in tiles.keys()}  # noqa: SIM118
     changed = tiles.lower(np.array([[1.0, -3.0], [1.0, -3.0]]), np.array([0.03, 0.0]), 0.1)
     (key,) = changed

@@ -1,13 +1,15 @@
 """The ground as tiles of triangles with a picture of its soils on each, in which ruts show as they form.
 
-A tile has triangles fine enough for its relief and a pixel for each node of the ground, or finer: a rut is drawn in the
-picture, the darker the deeper, for it is a few centimetres deep and would hardly be seen as relief.
+A tile has small triangles where it is curved, and a pixel for each node of the ground, or finer. The light of the Sun
+is in the picture, and so are ruts, the darker the deeper: they are a few centimetres deep and would hardly be seen as
+relief.
 """
 
 import io
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -15,11 +17,17 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.ndimage import map_coordinates
 
+from sojourn_console.ground_light import GroundLight
+from sojourn_console.ground_mesh import GroundMesh
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.height_field import HeightField
 
-MOST_VERTICES = 60_000
-"""Of the whole ground: what a laptop draws with ease."""
+MOST_VERTICES = 6_000
+"""Of the whole ground, about: what a browser draws without a graphics card."""
+MOST_NODES = 1_000_000
+"""Of those vertices are chosen."""
+FLAT = 0.002
+"""What lies no farther away from its triangles is not drawn finer [m]."""
 TILE = 8.0
 """Side of a tile [m]; larger on larger grounds, so that there are not too many."""
 MOST_TILES = 64
@@ -28,6 +36,8 @@ PIXEL = 0.04
 MOST_PIXELS = 512
 DARKEST = 0.06
 """Sinkage that is drawn darkest [m]."""
+GAMMA = 2.2
+"""Of the picture's colours: light goes with this power of them."""
 PALETTE = ((158, 150, 138), (116, 108, 100), (176, 152, 118), (134, 140, 128), (190, 176, 150), (104, 92, 84))
 """Of the soils, in the order of the ground; then again."""
 
@@ -58,10 +68,18 @@ class GroundTiles:
         self.ground = ground
         x_min, x_max, y_min, y_max = ground.bounds
         width, height = x_max - x_min, y_max - y_min
-        self.side = max(TILE, math.sqrt(width * height / MOST_TILES))
-        self._counts = max(1, math.ceil(height / self.side)), max(1, math.ceil(width / self.side))
-        self._spacing = max(ground.resolution, math.sqrt(width * height / MOST_VERTICES))
-        self._pixels = min(MOST_PIXELS, max(2, round(self.side / PIXEL)))
+        side = max(TILE, math.sqrt(width * height / MOST_TILES))
+        rows, columns = self._counts = max(1, math.ceil(height / side)), max(1, math.ceil(width / side))
+        self._sides = width / columns, height / rows
+        side = max(self._sides)
+        spacing = max(ground.resolution, math.sqrt(width * height / MOST_NODES))
+        spaces = 2 ** max(0, math.floor(math.log2(side / spacing)))
+        self._x, self._y = np.meshgrid(
+            np.linspace(x_min, x_max, columns * spaces + 1), np.linspace(y_min, y_max, rows * spaces + 1)
+        )
+        self._mesh = GroundMesh(self.heights(self._x, self._y), spaces, MOST_VERTICES, FLAT)
+        self.light = GroundLight(ground)
+        self._pixels = min(MOST_PIXELS, max(2, round(side / PIXEL)))
         self._lowered: dict[TileKey, NDArray[np.float32]] = {}
 
     def keys(self) -> Iterator[TileKey]:
@@ -96,34 +114,20 @@ class GroundTiles:
     def glb(self, key: TileKey) -> bytes:
         """A tile as a binary glTF file."""
         x0, x1, y0, y1 = self._bounds(key)
-        columns, rows = (max(2, math.ceil((b - a) / self._spacing) + 1) for a, b in ((x0, x1), (y0, y1)))
-        x, y = np.meshgrid(np.linspace(x0, x1, columns), np.linspace(y0, y1, rows))
-        z = self.heights(x, y)
-        vertices = np.stack([x, y, z], axis=2).reshape(-1, 3)
-        step = 0.5 * self._spacing
-        slopes = [
-            (self.heights(x + a, y + b) - self.heights(x - a, y - b)) / (2.0 * step)
-            for a, b in ((step, 0.0), (0.0, step))
-        ]
-        normals = np.stack([-slopes[0], -slopes[1], np.ones_like(x)], axis=2).reshape(-1, 3)
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-        low = np.stack([first, first + 1, first + columns], axis=1)
-        high = np.stack([first + 1, first + columns + 1, first + columns], axis=1)
-        uv = np.stack([(x - x0) / (x1 - x0), (y - y0) / (y1 - y0)], axis=2).reshape(-1, 2)
+        vertices, faces = self._triangles([key])
+        uv = (vertices[:, :2] - (x0, y0)) / (x1 - x0, y1 - y0)
         material = trimesh.visual.material.PBRMaterial(
             baseColorTexture=Image.fromarray(self.picture(key)), metallicFactor=0.0, roughnessFactor=1.0
         )
-        mesh = trimesh.Trimesh(
-            vertices,
-            np.concatenate([low, high]),
-            vertex_normals=normals,
-            visual=trimesh.visual.TextureVisuals(uv=uv, material=material),
-            process=False,
+        return _glb(vertices, faces, trimesh.visual.TextureVisuals(uv=uv, material=material))
+
+    def unseen(self) -> bytes:
+        """The whole ground as a binary glTF file that shows nothing: for what falls on it."""
+        material = trimesh.visual.material.PBRMaterial(
+            baseColorFactor=(0, 0, 0, 0), alphaMode="MASK", alphaCutoff=0.5, metallicFactor=0.0, roughnessFactor=1.0
         )
-        data = io.BytesIO()
-        mesh.export(data, file_type="glb")
-        return data.getvalue()
+        vertices, faces = self._triangles(self.keys())
+        return _glb(vertices, faces, trimesh.visual.TextureVisuals(material=material))
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Heights of the ground at the start at points of any shape [m]; beyond its edge those of the edge."""
@@ -147,12 +151,21 @@ class GroundTiles:
         lowered = self._lowered.get(key)
         if lowered is not None:
             colors = colors * (1.0 - 0.62 * np.clip(lowered / DARKEST, 0.0, 1.0) ** 0.6)[:, :, None]
-        return np.clip(colors[::-1], 0, 255).astype(np.uint8)
+        lit = np.clip(colors / 255.0, 0.0, 1.0) * self.light.on(x, y) ** (1.0 / GAMMA)
+        return np.clip(255.0 * lit[::-1], 0.0, 255.0).astype(np.uint8)
+
+    def _triangles(self, keys: Iterable[TileKey]) -> tuple[FloatArray, NDArray[np.int64]]:
+        """Of some tiles: vertices (n, 3) in map [m], and the three of each triangle, (m, 3)."""
+        faces = np.concatenate([self._mesh.triangles(key.row, key.column) for key in keys])
+        nodes, corners = np.unique(faces, return_inverse=True)
+        x, y = self._x.ravel()[nodes], self._y.ravel()[nodes]
+        return np.stack([x, y, self.heights(x, y)], axis=1), corners.reshape(-1, 3)
 
     def _bounds(self, key: TileKey) -> tuple[float, float, float, float]:
-        x_min, x_max, y_min, y_max = self.ground.bounds
-        x0, y0 = x_min + key.column * self.side, y_min + key.row * self.side
-        return x0, min(x0 + self.side, x_max), y0, min(y0 + self.side, y_max)
+        x_min, _, y_min, _ = self.ground.bounds
+        across, up = self._sides
+        x0, y0 = x_min + key.column * across, y_min + key.row * up
+        return x0, x0 + across, y0, y0 + up
 
     def _centres(self, key: TileKey) -> tuple[FloatArray, FloatArray]:
         x0, x1, y0, y1 = self._bounds(key)
@@ -162,10 +175,11 @@ class GroundTiles:
     def _keys_near(self, x: float, y: float, radius: float) -> list[TileKey]:
         x_min, _, y_min, _ = self.ground.bounds
         rows, columns = self._counts
+        across, up = self._sides
         spans = [
-            range(max(0, math.floor((at - low - radius) / self.side)),
-                  min(count - 1, math.floor((at - low + radius) / self.side)) + 1)
-            for at, low, count in ((y, y_min, rows), (x, x_min, columns))
+            range(max(0, math.floor((at - low - radius) / side)),
+                  min(count - 1, math.floor((at - low + radius) / side)) + 1)
+            for at, low, side, count in ((y, y_min, up, rows), (x, x_min, across, columns))
         ]  # fmt: skip
         return [TileKey(row, column) for row in spans[0] for column in spans[1]]
 
@@ -181,3 +195,22 @@ class GroundTiles:
         is_new = bool((deeper > lowered[part] + 2e-3).any())
         lowered[part] = np.maximum(lowered[part], deeper)
         return is_new
+
+
+def _glb(vertices: FloatArray, faces: NDArray[np.int64], visual: trimesh.visual.TextureVisuals) -> bytes:
+    """A binary glTF file of triangles that are shown as they are painted."""
+    mesh = trimesh.Trimesh(vertices, faces, visual=visual, process=False)
+    data = io.BytesIO()
+    mesh.export(data, file_type="glb", include_normals=False, tree_postprocessor=_as_painted)
+    return data.getvalue()
+
+
+def _as_painted(tree: dict[str, Any]) -> None:
+    """Without light of the browser's, and with no colours from the far side of a picture at its edge."""
+    unlit, clamp = "KHR_materials_unlit", 33071
+    tree["extensionsUsed"] = [*tree.get("extensionsUsed", ()), unlit]
+    for material in tree["materials"]:
+        material.setdefault("extensions", {})[unlit] = {}
+    tree["samplers"] = [{"wrapS": clamp, "wrapT": clamp}]
+    for texture in tree.get("textures", ()):
+        texture["sampler"] = 0

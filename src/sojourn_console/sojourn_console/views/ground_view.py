@@ -1,5 +1,6 @@
 """The ground, coloured by its soils, with the ruts as they form."""
 
+import math
 import time
 from typing import Any, ClassVar
 
@@ -9,6 +10,7 @@ import viser
 from sojourn_console.ground_tiles import GroundTiles, TileKey
 from sojourn_console.model import RunScene
 from sojourn_console.world import World
+from sojourn_machine.params import FloatArray
 
 REDRAW_S = 2.0
 """Wall time between two drawings of a tile: it is sent as a whole."""
@@ -18,6 +20,12 @@ NAMES = 8
 """Of one tile after the other; a name that comes again takes the place of its first bearer in viser's memory."""
 TOUCH_N = 1.0
 """Of a pad that does not touch the force is zero."""
+SUN_MOVED = math.radians(1.0)
+"""From then on the ground is lit anew."""
+SHADE = "/shade"
+"""Name of what the machine's shadow falls on, in the scene: one for all drawings of a tile."""
+DARKNESS = 0.55
+"""Of the shadow; what is left is the sky's light."""
 NARROWEST = 0.04
 """Half the width of a rut at least [m]."""
 
@@ -30,7 +38,7 @@ class GroundView:
     starts_shown: ClassVar[bool] = True
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
-        self._server = server
+        self._server, self._world = server, world
         self.tiles = GroundTiles(world.ground)
         self._half_width = max(NARROWEST, _half_width(world))
         self._drawn: dict[TileKey, tuple[Any, int]] = {}
@@ -39,10 +47,17 @@ class GroundView:
         self._redrawn_at = 0.0
         self._last: Any = None
         self._told = False
+        self._sun = np.zeros(3)
+        self._light_up(world.sun_direction(0), 0)
         for key in self.tiles.keys():  # noqa: SIM118 - it is no mapping
             self._draw(key)
+        server.scene.add_glb(SHADE, glb_data=self.tiles.unseen(), cast_shadow=False, receive_shadow=DARKNESS)
 
     def show(self, scene: RunScene) -> None:
+        sun = self._world.sun_direction(scene.stamp)
+        if np.abs(sun - self._sun).max() > SUN_MOVED:
+            self._light_up(sun, scene.stamp)
+            self._changed.update(self.tiles.keys())
         if len(scene.lowered) and scene.lowered is not self._last:
             self._last, self._told = scene.lowered, True
             self._changed |= self.tiles.lower(scene.lowered[:, :2], scene.lowered[:, 2], NARROWEST / 2)
@@ -68,13 +83,17 @@ class GroundView:
         self._changed |= self.tiles.clear()
         self._last = None
 
+    def _light_up(self, direction: FloatArray, stamp: int) -> None:
+        self._sun = direction.copy()
+        self.tiles.light.shine(direction, self._world.sun_disc(stamp))
+
     def _draw(self, key: TileKey) -> None:
         """Beside the tile as it was, which goes later: so there is no moment without one."""
         handle, number = self._drawn.get(key, (None, 0))
         if handle is not None:
             self._stale.append((time.monotonic(), handle))
         name = f"/ground/tile_{key.row}_{key.column}_{number % NAMES}"
-        fresh = self._server.scene.add_glb(name, glb_data=self.tiles.glb(key), cast_shadow=False)
+        fresh = self._server.scene.add_glb(name, glb_data=self.tiles.glb(key), cast_shadow=False, receive_shadow=False)
         self._drawn[key] = fresh, number + 1
 
 

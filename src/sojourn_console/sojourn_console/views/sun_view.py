@@ -5,10 +5,13 @@ from typing import ClassVar
 import numpy as np
 import viser
 
+from sojourn_console.ground_light import SKY, SKY_COLOR, SUN
 from sojourn_console.model import RunScene
 from sojourn_console.views.view import YELLOW, Shown
 from sojourn_console.world import World
 
+LIGHT = "/sun"
+"""Name of the Sun's light in the scene."""
 AWAY = 30.0
 """From the machine to the light [m]."""
 ARROW = 1.2
@@ -28,8 +31,8 @@ class SunView:
         self._server, self._world = server, world
         server.scene.configure_default_lights(enabled=False)
         server.scene.configure_environment_map(None)
-        self._light = server.scene.add_light_directional("/sun", intensity=3.0, cast_shadow=True)
-        server.scene.add_light_ambient("/sky", intensity=0.7, color=(225, 230, 255))
+        self._light = server.scene.add_light_directional(LIGHT, intensity=SUN, cast_shadow=True)
+        server.scene.add_light_ambient("/sky", intensity=SKY, color=SKY_COLOR)
         self._arrow = Shown()
         self._last = np.zeros(3)
         self._at = np.zeros(3)
@@ -58,4 +61,4 @@ class SunView:
     def _light_up(self, direction: np.ndarray, place: np.ndarray) -> None:
         self._last, self._at = direction.copy(), place.copy()
         self._light.position = AWAY * direction
-        self._light.intensity = 3.0 if direction[2] > 0.0 else 0.0
+        self._light.intensity = SUN if direction[2] > 0.0 else 0.0

@@ -20,6 +20,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
@@ -130,6 +131,16 @@ def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float)
     dark = height_in(cast.dark, column, row)
     part = (z - dark) / max(lit - dark, 1e-6)
     return float(min(max(part, 0.0), 1.0))
+
+
+@kernel
+def sunlit_ground(
+    ground: DrawnGround, cast: CastShadows, x: FloatArray, y: FloatArray, seen: NDArray[np.float32]
+) -> None:
+    """The same of the ground itself at places in rows, into `seen`: x of the columns, y of the rows [m]."""
+    for i in range(len(y)):
+        for j in range(len(x)):
+            seen[i, j] = sunlit(ground, cast, x[j], y[i], height_at(ground, x[j], y[i]))
 
 
 @kernel
