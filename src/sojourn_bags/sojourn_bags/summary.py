@@ -26,6 +26,7 @@ from sojourn_bags.goals import (
 )
 from sojourn_bags.machine import TrueMachine, poses_of, tilts
 from sojourn_bags.onset import RESUMED
+from sojourn_bags.power_modes import mode_changes, power_words
 from sojourn_bags.reading import Bag
 from sojourn_bags.transforms import TOPIC as TRANSFORMS_TOPIC
 
@@ -43,9 +44,9 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     Returns:
         scenario, seed, verdict (words), all_met, complete, sim_time_s, wall_time_s, real_time_factor,
         distance_m, goal_error_m (last drive goal), arm_error_m (worst place of the arm), energy_wh,
-        soc_start, soc_end, max_sinkage_m, max_tilt_deg, of what floats base_moved_m, base_turned_deg and
-        centre_of_mass_moved_m, goals (each with its outcome), steps_not_sent,
-        faults (each with how it showed), faults_met (whether all showed as they should),
+        soc_start, soc_least, soc_end, power_modes (each from when on), max_sinkage_m, max_tilt_deg, of what
+        floats base_moved_m, base_turned_deg and centre_of_mass_moved_m, goals (each with its outcome),
+        steps_not_sent, faults (each with how it showed), faults_met (whether all showed as they should),
         messages (topic -> published, recorded).
     """
     run = run or Run.of_bag(bag)
@@ -66,6 +67,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
     max_tilt_deg = float(np.degrees(tilts(poses_of(bag, "/truth/odom")[:, 3:]).max())) if upright else None
     rolled_over = max_tilt_deg is not None and max_tilt_deg >= run.machine.roll_over_tilt_deg
     charge = charges(bag)
+    modes = mode_changes(bag)
     faults = judge_faults(bag, run.scenario.faults)
     incomplete = bag.misfit or ("" if bag.whole else bag.damage or "it is cut off or damaged")
     incomplete = incomplete or why_incomplete(bag.records.get(RECORD))
@@ -86,7 +88,9 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         "arm_error_m": max((error for error in arm_errors if error is not None), default=None),
         "energy_wh": energy_used(bag),
         "soc_start": float(charge[0]) if charge.size else None,
+        "soc_least": float(charge.min()) if charge.size else None,
         "soc_end": float(charge[-1]) if charge.size else None,
+        "power_modes": [change.as_data() for change in modes],
         "max_sinkage_m": max_sinkage(bag, len(run.machine.stands_on)),
         "max_tilt_deg": max_tilt_deg,
         "rolled_over": rolled_over,
@@ -106,7 +110,7 @@ def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None
         _verdict(summary, results, who, unsent_words(not_sent, run)) or _NO_GOALS[RESUMED in record],
         f"The record is not complete: {incomplete}." if incomplete else "",
     ]
-    verdict += ["" if base is None else base.words(), sentence(faults), warning]
+    verdict += ["" if base is None else base.words(), sentence(faults), power_words(modes, charge.tolist()), warning]
     summary["verdict"] = " ".join(filter(None, verdict))
     return {
         key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in summary.items()
