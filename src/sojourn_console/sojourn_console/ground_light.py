@@ -7,8 +7,8 @@ The Sun's light goes with the cosine of its angle to the ground (Lambert), the s
 import math
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
+from sojourn_console.ground_samples import between_nodes
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import seen_ground
 from sojourn_physics.imaging.scenery import sun_of
@@ -31,10 +31,9 @@ class GroundLight:
 
     def __init__(self, ground: HeightField) -> None:
         self._field, self._ground = ground, seen_ground(ground)
-        rise_y, rise_x = np.gradient(ground.heights, ground.resolution)
-        self._slopes = rise_x, rise_y
+        self._slopes: FloatArray = np.array(np.gradient(ground.heights, ground.resolution), dtype=np.float64)
         self._sun = np.array([0.0, 0.0, -1.0])
-        self._cast = shadows(self._ground, sun_of(self._sun, 0.0), *self._middle)
+        self._cast = shadows(self._ground, sun_of(self._sun, 0.0))
 
     def shine(self, direction: FloatArray, disc: float) -> None:
         """Have the Sun elsewhere.
@@ -43,7 +42,7 @@ class GroundLight:
             direction: unit vector towards it in map, (3,). disc: its angular radius [rad].
         """
         self._sun = direction.copy()
-        self._cast = shadows(self._ground, sun_of(direction, disc), *self._middle)
+        self._cast = shadows(self._ground, sun_of(direction, disc))
 
     def on(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """What a white surface sends back, of each colour (linear): (rows, columns, 3).
@@ -53,17 +52,9 @@ class GroundLight:
         """
         seen = np.empty((len(y), len(x)), dtype=np.float32)
         sunlit_ground(self._ground, self._cast, x, y, seen)
-        field = self._field
-        places = np.stack(
-            np.meshgrid((y - field.origin_y) / field.resolution, (x - field.origin_x) / field.resolution, indexing="ij")
-        )
-        rise_x, rise_y = (map_coordinates(rise, places, order=1, mode="nearest") for rise in self._slopes)
+        places = np.meshgrid(x, y)
+        rise_y, rise_x = (between_nodes(self._field, rise, *places) for rise in self._slopes)
         towards = (self._sun[2] - rise_x * self._sun[0] - rise_y * self._sun[1]) / np.sqrt(1.0 + rise_x**2 + rise_y**2)
         direct = SUN * seen * np.maximum(towards, 0.0) if self._sun[2] > 0.0 else np.zeros_like(towards)
         lit: FloatArray = (direct[:, :, None] + SKY * np.array(SKY_COLOR) / 255.0) / math.pi
         return lit
-
-    @property
-    def _middle(self) -> tuple[float, float]:
-        x_min, x_max, y_min, y_max = self._field.bounds
-        return 0.5 * (x_min + x_max), 0.5 * (y_min + y_max)

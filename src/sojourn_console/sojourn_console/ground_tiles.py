@@ -15,10 +15,10 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 from PIL import Image
-from scipy.ndimage import map_coordinates
 
 from sojourn_console.ground_light import GroundLight
 from sojourn_console.ground_mesh import GroundMesh
+from sojourn_console.ground_samples import heights_of
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.height_field import HeightField
 
@@ -40,13 +40,6 @@ GAMMA = 2.2
 """Of the picture's colours: light goes with this power of them."""
 PALETTE = ((158, 150, 138), (116, 108, 100), (176, 152, 118), (134, 140, 128), (190, 176, 150), (104, 92, 84))
 """Of the soils, in the order of the ground; then again."""
-
-
-def heights_of(ground: HeightField, x: FloatArray, y: FloatArray) -> FloatArray:
-    """Heights of a ground at points of any shape [m], bilinear; beyond its edge those of the edge."""
-    places = np.stack([(y - ground.origin_y) / ground.resolution, (x - ground.origin_x) / ground.resolution])
-    found: FloatArray = map_coordinates(ground.heights, places, order=1, mode="nearest", output=np.float64)
-    return found
 
 
 @dataclass(frozen=True)
@@ -74,10 +67,12 @@ class GroundTiles:
         side = max(self._sides)
         spacing = max(ground.resolution, math.sqrt(width * height / MOST_NODES))
         spaces = 2 ** max(0, math.floor(math.log2(side / spacing)))
-        self._x, self._y = np.meshgrid(
+        x, y = np.meshgrid(
             np.linspace(x_min, x_max, columns * spaces + 1), np.linspace(y_min, y_max, rows * spaces + 1)
         )
-        self._mesh = GroundMesh(self.heights(self._x, self._y), spaces, MOST_VERTICES, FLAT)
+        z = heights_of(ground, x, y)
+        self._nodes = np.stack([x, y, z], axis=2).reshape(-1, 3)
+        self._mesh = GroundMesh(z, spaces, MOST_VERTICES, FLAT)
         self.light = GroundLight(ground)
         self._pixels = min(MOST_PIXELS, max(2, round(side / PIXEL)))
         self._lowered: dict[TileKey, NDArray[np.float32]] = {}
@@ -129,10 +124,6 @@ class GroundTiles:
         vertices, faces = self._triangles(self.keys())
         return _glb(vertices, faces, trimesh.visual.TextureVisuals(material=material))
 
-    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Heights of the ground at the start at points of any shape [m]; beyond its edge those of the edge."""
-        return heights_of(self.ground, x, y)
-
     def picture(self, key: TileKey) -> NDArray[np.uint8]:
         """Colours of a tile, north up: shape (pixels, pixels, 3)."""
         x, y = self._centres(key)
@@ -158,8 +149,7 @@ class GroundTiles:
         """Of some tiles: vertices (n, 3) in map [m], and the three of each triangle, (m, 3)."""
         faces = np.concatenate([self._mesh.triangles(key.row, key.column) for key in keys])
         nodes, corners = np.unique(faces, return_inverse=True)
-        x, y = self._x.ravel()[nodes], self._y.ravel()[nodes]
-        return np.stack([x, y, self.heights(x, y)], axis=1), corners.reshape(-1, 3)
+        return self._nodes[nodes], corners.reshape(-1, 3)
 
     def _bounds(self, key: TileKey) -> tuple[float, float, float, float]:
         x_min, _, y_min, _ = self.ground.bounds

@@ -16,7 +16,7 @@ from sojourn_console.bag_feed import BagFeed
 from sojourn_console.desk import CommandDesk
 from sojourn_console.feed import Feed
 from sojourn_console.gate import GuardedServer
-from sojourn_console.ground_tiles import heights_of
+from sojourn_console.ground_samples import heights_of
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import STATUSES, RunScene, after
 from sojourn_console.panels.alarms import AlarmsPanel

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sojourn_console.ground_tiles import heights_of
+from sojourn_console.ground_samples import heights_of
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.height_field import HeightField
 

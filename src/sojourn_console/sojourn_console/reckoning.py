@@ -19,7 +19,7 @@ from dataclasses import replace
 import numpy as np
 
 from sojourn_config.scenario import LoadedScenario
-from sojourn_console.ground_tiles import heights_of
+from sojourn_console.ground_samples import heights_of
 from sojourn_console.rehearsed import RECKONED, RehearsedDrive
 from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import hazard_camera_of

@@ -22,9 +22,7 @@ from sojourn_contract.run_table import rows_of_sensor, table_of
 from sojourn_contract.topic_table import TopicTable
 from sojourn_flight.planning.global_route import SiteMap
 from sojourn_machine.params import FloatArray
-from sojourn_physics.environment.sun.orbits import ASTRONOMICAL_UNIT
 from sojourn_physics.environment.sun.over import SunOver
-from sojourn_physics.environment.sun.shadow import SOLAR_RADIUS, disc_radius
 from sojourn_physics.sensors.hazcam import HazcamParams
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_sensors.kinds.camera import CameraSensorParams
@@ -89,7 +87,7 @@ class World:
 
     def sun_disc(self, stamp: int) -> float:
         """Angular radius of the Sun [rad] at a stamp [ns]."""
-        return disc_radius(SOLAR_RADIUS, self.sun.path.distance(stamp * 1e-9) * ASTRONOMICAL_UNIT)
+        return self.sun.disc(stamp * 1e-9)
 
 
 def world_named(name: str, overrides: Sequence[str] = ()) -> World:

@@ -4,8 +4,6 @@ from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_machine.params import FloatArray
 from sojourn_machine.shapes import Shapes
-from sojourn_physics.environment.sun.orbits import ASTRONOMICAL_UNIT
-from sojourn_physics.environment.sun.shadow import SOLAR_RADIUS, disc_radius
 from sojourn_physics.imaging.photometry import Illumination
 from sojourn_physics.imaging.scenery import GroundLook, Moment, Scenery, sun_of
 from sojourn_physics.terrain.height_field import HeightField
@@ -36,8 +34,8 @@ class CameraScene:
         """
         time = stamps.seconds(stamp) // SUN_EVERY * SUN_EVERY
         light = self._sun.light(time, float(place[0]), float(place[1]))
-        disc = disc_radius(SOLAR_RADIUS, self._sun.path.distance(time) * ASTRONOMICAL_UNIT)
-        return Moment(sun_of(light.direction, disc), Illumination(light.direct, light.diffuse), ground, body)
+        sun = sun_of(light.direction, self._sun.disc(time))
+        return Moment(sun, Illumination(light.direct, light.diffuse), ground, body)
 
 
 def look_of(scenario: LoadedScenario, soils: tuple[str, ...]) -> GroundLook:

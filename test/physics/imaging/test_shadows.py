@@ -18,7 +18,7 @@ from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
 
 def lit(field: HeightField, towards: np.ndarray, points: np.ndarray) -> np.ndarray:
     seen = seen_ground(field)
-    cast = shadows(seen, towards, 0.0, 0.0)
+    cast = shadows(seen, towards)
     return np.array([sunlit(seen, cast, *point) for point in points])
 
 

@@ -12,7 +12,7 @@ import viser
 from sojourn_console.draft import Draft, Kind, Point
 from sojourn_console.errors import GoalError
 from sojourn_console.far_way import FarWay
-from sojourn_console.ground_tiles import heights_of
+from sojourn_console.ground_samples import heights_of
 from sojourn_console.link_words import command_words
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 import viser
 
-from sojourn_console.ground_tiles import heights_of
+from sojourn_console.ground_samples import heights_of
 from sojourn_console.model import RunScene
 from sojourn_console.views.view import BLUE, ORANGE, VIOLET, Shown, segments
 from sojourn_console.world import World

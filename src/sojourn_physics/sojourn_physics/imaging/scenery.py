@@ -140,9 +140,7 @@ class Scenery:
 
     def _shadows_of(self, number: int, x: float, y: float, z: float, disc: float) -> CastShadows:
         """Each of the cameras that look at once fills in its own, so that none reads what another has half written."""
-        bounds = self._ground.bounds
-        middle = 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[2] + bounds[3])
-        return shadows(self._ground, np.array([x, y, z, disc]), *middle)
+        return shadows(self._ground, np.array([x, y, z, disc]))
 
 
 def _as_bright(met: Sounded, reflectance: float) -> Sounded:

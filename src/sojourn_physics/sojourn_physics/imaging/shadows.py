@@ -33,7 +33,7 @@ UNKNOWN, MIXED, LIT = range(3)
 CLEAR = 1e-3
 """All shadows over a block that is lit end so far below its ground at least [m]."""
 WINDOW = 2048
-"""Nodes along the side of the square in which shadows are known, about the place where the camera began."""
+"""Nodes along the side of the square in which shadows are known, about the middle of the map."""
 NOTHING = -1e9
 """Stands over a place that nothing can throw a shadow on [m]."""
 NEAR_STEPS = 16
@@ -56,10 +56,11 @@ class CastShadows(NamedTuple):
     """uint8, (rows, columns) of blocks: UNKNOWN, MIXED or LIT."""
 
 
-def shadows(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> CastShadows:
-    """Of a Sun, see there, about a place in map [m]; nothing is worked out yet."""
+def shadows(ground: DrawnGround, sun: FloatArray) -> CastShadows:
+    """Of a Sun, see there, about the middle of the map; nothing is worked out yet."""
     rows, columns = ground.heights.shape
     size = min(rows, WINDOW), min(columns, WINDOW)
+    x, y = 0.5 * (ground.bounds[0] + ground.bounds[1]), 0.5 * (ground.bounds[2] + ground.bounds[3])
     middle = (y - ground.place[1]) * ground.place[2], (x - ground.place[0]) * ground.place[2]
     first = [
         min(max(int(at) - length // 2, 0), all_of_it - length)

@@ -74,11 +74,15 @@ class SunOver:
         """Unit vector to the Sun in map, shape (3,), `time` [s] after the start of the run."""
         return self.path.direction(time)
 
+    def disc(self, time: float) -> float:
+        """Angular radius of the Sun [rad], `time` [s] after the start of the run."""
+        return _disc(self.path.distance(time))
+
     def light(self, time: float, x: float, y: float) -> Sunlight:
         """What falls on a machine that stands at (x, y) in map [m], `time` [s] after the start of the run."""
         direction, distance = self.path.direction(time), self.path.distance(time)
         elevation = math.asin(min(max(float(direction[2]), -1.0), 1.0))
-        disc = disc_radius(SOLAR_RADIUS, distance * ASTRONOMICAL_UNIT)
+        disc = _disc(distance)
         uncovered = self._past_covers(direction, disc, time)
         over_horizon = 1.0
         if not self._body.free_fall:
@@ -135,6 +139,11 @@ class SunOver:
         # by the chord, which is exact for small angles too
         apart = 2.0 * math.asin(min(0.5 * float(np.linalg.norm(direction - cover.direction)), 1.0))
         return seen_past_disc(apart, disc, cover.radius)
+
+
+def _disc(distance: float) -> float:
+    """Angular radius of the Sun [rad] from so far away [au]."""
+    return disc_radius(SOLAR_RADIUS, distance * ASTRONOMICAL_UNIT)
 
 
 def sun_path(sun: SunParams, body: BodyParams, site: SiteParams | None) -> SunPath:
