@@ -145,7 +145,10 @@ class Supervisor:
             self._look(LOOK_S)
             if self._monitor.progress.stamp and RECORDER in self.nodes:
                 self._standby.prepare(self.nodes[RECORDER].restarts + 1)
-            outcome = self._ended() or self._folder_gone() or self._checkpoints_failed() or self._failed()
+            statuses = self._statuses()
+            outcome = (
+                self._ended(statuses) or self._folder_gone() or self._checkpoints_failed() or self._failed(statuses)
+            )
             if outcome is not None:
                 return outcome
             if time.monotonic() - started_at > self.plan.start_timeout_s and self._monitor.progress.stamp == 0:
@@ -180,10 +183,14 @@ class Supervisor:
             node.stop()
             self.screen.say(f"{node.role} (process {child.pid}) is stopped: {node.detail}")
 
-    def _ended(self) -> Outcome | None:
+    def _statuses(self) -> dict[str, int | None]:
+        """Of the processes, taken once in a look, so that a plant that ends in the midst of it has not died in it; of
+        the plant last, for others may end with it."""
+        return {role: self.children[role].status for role in sorted(self.children, key="plant".__eq__)}
+
+    def _ended(self, statuses: Mapping[str, int | None]) -> Outcome | None:
         """The plant ends a run."""
-        plant = self.children.get("plant")
-        if plant.status == 0 if plant is not None else self.nodes["plant"].state == ENDED:
+        if statuses["plant"] == 0 if "plant" in statuses else self.nodes["plant"].state == ENDED:
             return self._outcome(SUCCEEDED, "the run ended")
         return None
 
@@ -195,10 +202,9 @@ class Supervisor:
         failure = "" if self._checkpoints is None else self._checkpoints.failure
         return self._outcome(FAILED, failure) if failure else None
 
-    def _failed(self) -> Outcome | None:
+    def _failed(self, statuses: Mapping[str, int | None]) -> Outcome | None:
         """Look for dead processes; restart one where that is allowed, else say which ended the run."""
-        dead = [role for role, child in self.children.items() if child.status is not None]
-        for role in sorted(dead, key=lambda name: name == "plant"):
+        for role in [role for role, status in statuses.items() if status is not None]:
             child, node = self.children[role], self.nodes[role]
             how = child.how_it_ended()
             child.sweep()
