@@ -32,6 +32,7 @@ def run_json(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.published
 def test_published_wheel_with_every_parameter_set(capsys: pytest.CaptureFixture[str]) -> None:
     """JSC-1A: z 27.07 mm, DP 6.589 N, T 2.422 N m at slip 0.2, from another soil and wheel by --set alone."""
     changes = {

@@ -4,6 +4,7 @@ Beside the errors over load, radius and both, what the lugs change is held again
 is the law of the grousers alone, without what the soil's parameters miss.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -30,14 +31,17 @@ def soil() -> FloatArray:
     return kernel_row(load_params("soils", "ding_2011", SoilParams))
 
 
-def test_error_of_lugged_wheel(soil: FloatArray) -> None:
+@pytest.mark.published
+def test_error_of_lugged_wheel(soil: FloatArray, record_property: Callable[[str, object], None]) -> None:
     trials = trials_of("wheel_tests_ding_lugged.csv")
     predicted = predict(trials, soil)
     reached = summary(trials, predicted)["all"]
     assert reached["not_carried"] == 0
     for quantity, pinned in (("drawbar_pull", 4.8), ("sinkage", 2.4), ("torque", 2.9)):
         error = reached[f"{quantity}_error_percent"]
-        assert error is not None and error <= pinned, f"{quantity} {error:.2f} %"
+        assert error is not None
+        record_property(f"ding_2011, wheel with lugs: median error of {quantity}", f"{error:.2f} %")
+        assert error <= pinned, f"{quantity} {error:.2f} %"
     off, slip = np.abs(predicted[:, 0] - trials.measured[:, 0]) / LOAD, trials.cases[:, 1]
     assert off.max() <= 0.10  # asked; 9.6 % at slip 0.6
     assert off[(slip > 0.0) & (slip <= 0.3)].max() <= 0.06  # asked of all driving: 7.9 % at slip 0.4, 9.6 % at 0.6

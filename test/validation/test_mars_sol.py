@@ -36,6 +36,7 @@ def sol(optical_depth: float) -> tuple[float, float, float]:
     return energy, light, hottest
 
 
+@pytest.mark.published("Crisp et al. 2003, J. Geophys. Res. 108(E12):8061")
 def test_a_clean_sol() -> None:
     energy, light, hottest = sol(0.5)
     assert energy == pytest.approx(900.0, rel=0.05)

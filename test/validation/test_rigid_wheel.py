@@ -39,6 +39,7 @@ def forces(case: dict[str, str], sinkage: float) -> tuple[float, ...]:
     return rim_forces(radius, radius, width, RimContact(sinkage, slip, 0.0, rolling), row, QUADRATURE)
 
 
+@pytest.mark.published("Wong & Reece 1967 with the wheels of rigid_wheel.csv, by two routes")
 @pytest.mark.parametrize("case", CASES, ids=lambda case: str(case["case"]))
 def test_sinkage_pull_and_torque_at_the_load(case: dict[str, str]) -> None:
     load, radius = float(case["load"]), float(case["radius"])
@@ -51,6 +52,7 @@ def test_sinkage_pull_and_torque_at_the_load(case: dict[str, str]) -> None:
         assert torque == pytest.approx(float(case["torque"]), rel=TOLERANCE, abs=1e-9)
 
 
+@pytest.mark.published("Ishigami et al. 2007, J. Field Robotics 24(3):233")
 def test_static_contact_angle_of_ishigami() -> None:
     case = next(case for case in CASES if case["case"] == "ishigami-static")
     entry, exit_angle, greatest = contact_angles(0.09, 0.01181, 0.0, 0.0, kernel_row(soil_of(case)))
@@ -59,6 +61,7 @@ def test_static_contact_angle_of_ishigami() -> None:
     assert greatest == 0.0
 
 
+@pytest.mark.published
 def test_towed_wheel_of_the_lunar_roving_vehicle() -> None:
     """Bekker's closed forms: 253 N on a wheel of 0.813 x 0.229 m, n 1, k_c 1400, k_phi 820e3."""
     soil = soil_of(CASES[0])

@@ -34,6 +34,7 @@ NET_FLUX = {
 }
 
 
+@pytest.mark.published("NASA TM-103623 (1991), table III")
 @pytest.mark.parametrize("depth,albedo", NET_FLUX)
 def test_light_under_dust_is_that_of_the_published_table(depth: float, albedo: float) -> None:
     for zenith, net in zip(ZENITHS, NET_FLUX[depth, albedo], strict=True):
@@ -43,6 +44,7 @@ def test_light_under_dust_is_that_of_the_published_table(depth: float, albedo: f
         assert beam == pytest.approx(math.exp(-depth / cosine))
 
 
+@pytest.mark.published("Appelbaum & Flood 1990, Solar Energy 45:353")
 @pytest.mark.parametrize("season,flux", [(0.0, 559.2), (69.0, 493.5), (153.0, 590.7), (249.0, 717.8)])
 def test_flux_over_mars_is_the_published_one(season: float, flux: float) -> None:
     assert flux_of_season(season) == pytest.approx(flux, rel=0.002)
@@ -57,6 +59,7 @@ def test_flux_by_the_date_is_that_of_the_season() -> None:
         assert flux == pytest.approx(flux_of_season(mars.solar_longitude), rel=0.013)
 
 
+@pytest.mark.published
 def test_curiosity_landed_in_the_afternoon() -> None:
     """2012 August 6, 05:17:57 UTC at 137.4417 E: 15:03 local mean solar time (JPL), Ls 150.7."""
     mars = mars_time(instant(datetime(2012, 8, 6, 5, 17, 57, tzinfo=UTC).timestamp()))
@@ -108,6 +111,7 @@ SKIES = [
 ]
 
 
+@pytest.mark.published("Apollo Lunar Surface Journal (NASA), Sun and Earth over Apollo 11 and 12")
 @pytest.mark.parametrize("place,time,published", SKIES)
 def test_sun_and_earth_stood_over_apollo_where_its_journal_has_them(
     place: tuple[float, float], time: str, published: tuple[float, float, float, float]
@@ -124,6 +128,7 @@ def test_sun_and_earth_stood_over_apollo_where_its_journal_has_them(
     assert found[2:] == pytest.approx(published[2:], abs=0.07)
 
 
+@pytest.mark.published
 def test_io_is_in_jupiters_shadow_at_noon_where_it_faces_jupiter() -> None:
     """Once an orbit of 42.46 h, for as long as Jupiter's shadow is wide: asin(R/a)/pi of it, 2.25 h."""
     io, site = load_params("bodies", "io", BodyParams), SiteParams(latitude_deg=0.0)
@@ -133,6 +138,7 @@ def test_io_is_in_jupiters_shadow_at_noon_where_it_faces_jupiter() -> None:
     assert hidden / 120.0 == pytest.approx(2.25, abs=0.15)
 
 
+@pytest.mark.published
 def test_the_lunar_pole_sees_the_sun_low_all_round() -> None:
     """The Moon's axis leans on the ecliptic by 1.54 deg: at the pole the Sun stands no higher than that."""
     moon, site = load_params("bodies", "moon", BodyParams), SiteParams(latitude_deg=-90.0)

@@ -56,6 +56,7 @@ def side_force(wheel: FloatArray, load: float, angle_deg: float) -> tuple[float,
     return float(out[OutColumn.FORCE_Z]), float(out[OutColumn.FORCE_Y])
 
 
+@pytest.mark.published("Bakker, Nyborg & Pacejka 1987, SAE 870421")
 @pytest.mark.parametrize(("angle_deg", "force"), [(2.0, 1911.1), (5.0, 3389.6), (10.0, 3688.4)])
 def test_magic_formula(angle_deg: float, force: float) -> None:
     load, found = side_force(example_row("magic_formula"), 4000.0, angle_deg)
@@ -63,6 +64,7 @@ def test_magic_formula(angle_deg: float, force: float) -> None:
     assert found == pytest.approx(force, rel=1e-3)
 
 
+@pytest.mark.published("brush tyre, C 8000 N/rad, mu 0.8, 1000 N")
 @pytest.mark.parametrize(("angle_deg", "force"), [(1.0, 131.67), (2.0, 248.11), (10.0, 743.95), (16.71, 800.0)])
 def test_brush(angle_deg: float, force: float) -> None:
     wheel = example_row("brush")

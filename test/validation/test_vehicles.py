@@ -69,6 +69,7 @@ def test_lrv_grade_by_the_law_of_the_plant(lrv_on_the_moon: Course) -> None:
     assert knee > 0.75 * most
 
 
+@pytest.mark.published
 def test_maxon_motors() -> None:
     """RE 25, 24 V: stall 10.34 A and 242 mN m. RE 40, 24 V: stall 80.27 A, greatest efficiency 0.919, 4.66 ms."""
     re25 = MotorParams(
@@ -87,6 +88,7 @@ def test_maxon_motors() -> None:
 LRV_WHEELS = np.array([[1.143, 0.9145], [1.143, -0.9145], [-1.143, 0.9145], [-1.143, -0.9145]])
 
 
+@pytest.mark.published
 def test_lrv_double_ackermann() -> None:
     """Outer 22 deg on both axles: outer path 3.05 m (10 ft published), centre 1.915 m, inner 48.8 deg; built with
     50.
@@ -101,6 +103,7 @@ def test_lrv_double_ackermann() -> None:
     assert 0.0 < math.degrees(np.abs(error.slip_angles).max()) < 50.0 - 48.8
 
 
+@pytest.mark.published("single track with 1200 kg, by two routes")
 def test_bicycle_model() -> None:
     car = SingleTrack(1200.0, 1800.0, (1.1, -1.4), (60e3, 55e3), (1.0, 0.0))
     assert understeer_gradient(car) == pytest.approx(6.400e-4, rel=1e-4)
@@ -111,6 +114,7 @@ def test_bicycle_model() -> None:
     assert critical_speed(car._replace(x=(1.4, -1.1))) == pytest.approx(27.04, abs=0.005)
 
 
+@pytest.mark.published("240 kg on 16 kN/m and 160 kN/m, by two routes")
 def test_quarter_car() -> None:
     assert optimum_damping(240.0, 16e3, 160e3) == pytest.approx(1517.89, abs=0.005)
     frequency, ratio = fixed_point(240.0, 16e3, 160e3)
@@ -119,10 +123,12 @@ def test_quarter_car() -> None:
     assert modes == pytest.approx([1.2385, 13.360], rel=1e-4)
 
 
+@pytest.mark.published("2.286 m at 3 m/s")
 def test_wheelbase_filter() -> None:
     assert first_nulls(2.286, 3.0) == pytest.approx((0.656, 1.312), abs=5e-4)
 
 
+@pytest.mark.published
 @pytest.mark.parametrize(
     ("weighting", "gains"),
     [

@@ -156,6 +156,7 @@ def test_cornering_begins_as_linear_handling(sheet: Datasheet) -> None:
     assert found["n_rate"] == pytest.approx(1.143**2 * found["y_beta"] / 3.0)
 
 
+@pytest.mark.published("outer wheel of the lunar roving vehicle at full lock")
 def test_linkage_and_tracks_of_the_lunar_rover(sheet: Datasheet) -> None:
     found = values(*sheet.sections)
     assert found["linkage_outer_angle"] == pytest.approx(22.0, abs=0.05)  # published

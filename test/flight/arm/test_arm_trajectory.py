@@ -62,6 +62,7 @@ def _moving_state(arm: Any, generator: np.random.Generator) -> JointReference:
     return JointReference(*path.sample(generator.uniform(0.0, path.duration)))
 
 
+@pytest.mark.published("closed forms of trapezoid, triangle and seven segments")
 @pytest.mark.parametrize(
     ("distance", "jerk", "duration", "tolerance"),
     [

@@ -15,6 +15,7 @@ PACK, BUS = EXPLORER.power.battery, EXPLORER.power.bus
 PARAMS = PowerManagerParams(power=EXPLORER.power, law=EXPLORER.law, derated=("drive",))
 
 
+@pytest.mark.published("batteries of the Mars Exploration Rovers, and data sheets of cells of 2.9 Ah")
 def test_the_pack_is_of_the_mer_class() -> None:
     assert PACK.cells_series * 3.69 == pytest.approx(28.0, rel=0.06)
     assert PACK.energy_capacity_wh == pytest.approx(450.0, rel=0.06)

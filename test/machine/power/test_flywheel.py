@@ -27,6 +27,7 @@ def wheel(**changes: object) -> FlywheelParams:
     return FlywheelParams.model_validate(GLENN.model_dump() | changes)
 
 
+@pytest.mark.published
 @pytest.mark.parametrize(("rotor", "factor", "within"), [(RING, 0.5, 1e-12), (DISC, 0.606, 2e-4)])
 def test_the_shape_factor_is_the_published_one(rotor: RotorParams, factor: float, within: float) -> None:
     """Energy over mass of a rotor at its strength, over strength and density."""
@@ -34,6 +35,7 @@ def test_the_shape_factor_is_the_published_one(rotor: RotorParams, factor: float
     assert energy / rotor.mass / (rotor.strength / rotor.density) == pytest.approx(factor, rel=within / factor)
 
 
+@pytest.mark.published
 def test_a_carbon_fibre_ring_stores_the_published_energy() -> None:
     """134 Wh/kg before a safety factor."""
     assert 0.5 * RING.inertia * RING.allowed_speed**2 / RING.mass / 3600.0 == pytest.approx(134.0, abs=0.5)
@@ -60,6 +62,7 @@ def test_the_disc_is_stressed_as_the_equation_of_equilibrium_asks() -> None:
     assert found.max() <= centre
 
 
+@pytest.mark.published
 def test_the_part_stores_the_published_energy_at_the_published_speed() -> None:
     """0.395 kWh at 60 000 rpm (NASA Glenn)."""
     assert GLENN.speed_full * 60.0 / (2.0 * math.pi) == pytest.approx(60000.0, rel=1e-6)

@@ -22,6 +22,7 @@ STACK = load_params("parts", "ballard_mark_v", FuelCellParams)
 JOULES_PER_KWH = 3.6e6
 
 
+@pytest.mark.published
 def test_the_published_curve() -> None:
     """Ballard Mark V at 70 C: 0.868 V at 100, 0.690 V at 600 mA/cm2."""
     assert STACK.curve.voltage(100.0) == pytest.approx(0.868, abs=5e-4)

@@ -20,6 +20,7 @@ def test_the_efficiency_at_most_power_lies_between_half_of_carnot_and_carnot(end
     assert 0.5 * best <= curzon_ahlborn(*ends) <= best
 
 
+@pytest.mark.published
 def test_the_power_stations_of_curzon_and_ahlborn() -> None:
     """Their table: West Thurrock 565 and 25 C: 64.1 % of Carnot, 40 % at most power; CANDU 300 and 25 C: 48, 28 %."""
     for hot, cold, best, at_most_power in ((838.0, 298.0, 0.641, 0.40), (573.0, 298.0, 0.480, 0.28)):

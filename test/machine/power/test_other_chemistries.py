@@ -41,6 +41,7 @@ def hours_to_empty(pack: BatteryParams, current: float, dt: float = 10.0) -> flo
     return hours
 
 
+@pytest.mark.published("Peukert's law, by hand")
 @pytest.mark.parametrize(("k", "hours"), [(1.05, 3.691), (1.2, 2.899)])
 def test_peukerts_law_of_the_book(k: float, hours: float) -> None:
     """100 Ah at 20 h, drawn at 25 A."""

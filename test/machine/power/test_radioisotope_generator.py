@@ -17,6 +17,7 @@ def test_it_starts_with_its_design_figures() -> None:
     assert MMRTG.heat(state) == pytest.approx(2000.0 - 110.0)
 
 
+@pytest.mark.published
 def test_the_fuel_decays_as_plutonium_238() -> None:
     """0.787 % in the first year, 0.8953 left after 14, a half after 87.7."""
     for years, left in ((1.0, 1.0 - 0.00787), (14.0, 0.8953), (87.7, 0.5)):

@@ -45,6 +45,7 @@ def rolled(one: Any, depth: float, slip: float) -> dict[str, float]:
     return result
 
 
+@pytest.mark.published("Bekker's wheel of the lunar roving vehicle, 253 N")
 def test_sinkage_and_resistances_of_the_lunar_rover(law: Maker) -> None:
     one, depth = published(law)
     assert depth == pytest.approx(17.04e-3, rel=1e-3)
@@ -54,6 +55,7 @@ def test_sinkage_and_resistances_of_the_lunar_rover(law: Maker) -> None:
     assert found["sinkage"] == depth
 
 
+@pytest.mark.published("Bekker's wheel of the lunar roving vehicle, 253 N")
 @pytest.mark.parametrize(("slip", "thrust"), [(0.05, 25.16), (0.2, 75.39), (0.5, 119.8)])
 def test_thrust_of_the_lunar_rover(law: Maker, slip: float, thrust: float) -> None:
     one, depth = published(law)
@@ -63,6 +65,7 @@ def test_thrust_of_the_lunar_rover(law: Maker, slip: float, thrust: float) -> No
     assert found["force_x"] == pytest.approx(thrust - resistance, abs=1e-3 * thrust)
 
 
+@pytest.mark.published("Bekker's wheel of the lunar roving vehicle, 253 N")
 def test_greatest_thrust_of_the_lunar_rover(law: Maker) -> None:
     one, depth = published(law)
     area = WIDTH * RADIUS * math.acos(1.0 - depth / RADIUS)

@@ -43,6 +43,7 @@ def steady(one: Any, depth: float, angle: float = 0.0, slip: float = 0.0) -> dic
     return result
 
 
+@pytest.mark.published("brush tyre, C 8000 N/rad, mu 0.8, 1000 N")
 @pytest.mark.parametrize(("angle_deg", "force"), [(1.0, 131.67), (2.0, 248.11), (10.0, 743.95)])
 def test_published_side_forces(law: Maker, angle_deg: float, force: float) -> None:
     one, depth = published(law)
@@ -52,6 +53,7 @@ def test_published_side_forces(law: Maker, angle_deg: float, force: float) -> No
     assert found["slip_angle"] == pytest.approx(-math.radians(angle_deg), rel=1e-9)
 
 
+@pytest.mark.published("brush tyre, C 8000 N/rad, mu 0.8, 1000 N")
 def test_full_sliding_begins_at_the_published_angle(law: Maker) -> None:
     one, depth = published(law)
     limit = FRICTION * LOAD

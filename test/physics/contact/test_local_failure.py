@@ -61,6 +61,7 @@ def test_the_closed_forms_of_a_design_push_loose_soil() -> None:
     assert found.bulldozing == pytest.approx(expected) and expected > 0.0
 
 
+@pytest.mark.published
 @pytest.mark.parametrize(("degrees", "n_gamma"), [(20.0, 5.0), (30.0, 19.7), (35.0, 42.4)])
 def test_the_weight_factor_is_near_terzaghis_own(degrees: float, n_gamma: float) -> None:
     """Terzaghi's graph as tabulated by Bowles, Foundation Analysis and Design, table 4-2: the fit is 12 % off."""

@@ -32,6 +32,7 @@ def written_anew(kind: tuple[float, ...], x: float, fz: float, camber: float = 0
     return d * math.sin(c * math.atan(b * phi)) + (a10 * fz**2 + a11 * fz) * camber
 
 
+@pytest.mark.published("Bakker, Nyborg & Pacejka 1987, SAE 870421")
 @pytest.mark.parametrize(("angle_deg", "force"), [(2.0, 1911.1), (5.0, 3389.6), (10.0, 3688.4)])
 def test_published_side_forces(angle_deg: float, force: float) -> None:
     assert magic_forces(ROW, 4000.0, 0.0, math.radians(angle_deg), 0.0)[1] == pytest.approx(force, rel=1e-4)
@@ -87,6 +88,7 @@ def steady(law: Maker, load: float, **motion: float) -> dict[str, float]:
     return found
 
 
+@pytest.mark.published("Bakker, Nyborg & Pacejka 1987, SAE 870421")
 def test_a_rolling_wheel_has_the_published_forces(law: Maker) -> None:
     found = steady(law, 4000.0, v_along=5.0, v_side=-5.0 * math.tan(math.radians(5.0)), rolling_speed=5.0)
     assert found["force_y"] == pytest.approx(3389.6, rel=1e-3)

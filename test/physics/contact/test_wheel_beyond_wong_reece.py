@@ -178,6 +178,7 @@ def test_front_push_is_the_bulldozing_resistance(name: str) -> None:
         assert front_push(0.4065, 0.229, 1.624, z, kernel_row(params)) == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.published
 def test_published_bulldozing_resistance_comes_out_of_the_wheel() -> None:
     """Lunar roving vehicle: 89.19 N at 17.04 mm, phi 33 deg, c 170 Pa, gamma 2470 N/m3."""
     params = soil("lunar_nominal", friction_angle_deg=33.0, front_bulldozing=True, density=2470.0 / 1.624)

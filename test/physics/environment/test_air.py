@@ -28,6 +28,7 @@ def air(name: str) -> AtmosphereParams:
     return found
 
 
+@pytest.mark.published("NASA Glenn, Mars atmosphere model")
 @pytest.mark.parametrize(
     ("height", "pressure", "density"), [(0.0, 699.0, 0.01503), (5e3, 445.7, 0.009785), (10e3, 284.2, 0.006503)]
 )
@@ -37,11 +38,13 @@ def test_mars_has_the_published_air(height: float, pressure: float, density: flo
     assert found.density == pytest.approx(density, rel=1e-3)
 
 
+@pytest.mark.published
 def test_sound_on_mars_is_as_perseverance_heard_it() -> None:
     """240 m/s at 240 K for low frequencies (Maurice et al. 2022, Nature 605:653), within the spread of temperature."""
     assert air("mars").at(0.0).speed_of_sound == pytest.approx(240.0, rel=0.03)
 
 
+@pytest.mark.published("Venus International Reference Atmosphere (Seiff et al. 1985)")
 def test_venus_has_the_reference_atmosphere_and_a_mild_level() -> None:
     """350 K and 1.07 bar at 50 km; densities of the same table, for which pressure and temperature alone were taken."""
     found = air("venus").at(50e3)
@@ -52,6 +55,7 @@ def test_venus_has_the_reference_atmosphere_and_a_mild_level() -> None:
         assert air("venus").at(1e3 * height).density == pytest.approx(density, rel=0.025)
 
 
+@pytest.mark.published
 @pytest.mark.parametrize(
     ("height", "temperature", "pressure", "density"),
     [
@@ -68,6 +72,7 @@ def test_earth_has_the_standard_atmosphere(height: float, temperature: float, pr
     assert found.density == pytest.approx(density, rel=2e-4)
 
 
+@pytest.mark.published
 def test_titan_has_the_air_that_huygens_met() -> None:
     """93.65 K and 1467 hPa at the surface, 70.43 K and 115 hPa at 44 km (Fulchignoni et al. 2005). By the
     densities of a model from before Huygens it was 3 % and 7 % less."""
@@ -77,6 +82,7 @@ def test_titan_has_the_air_that_huygens_met() -> None:
     assert cold.temperature == pytest.approx(70.43, abs=0.5) and cold.pressure == pytest.approx(11.5e3, rel=0.015)
 
 
+@pytest.mark.published
 def test_sound_at_sea_level_and_on_titan() -> None:
     """340.294 m/s (standard atmosphere); 195.6 m/s in the table that Titan's air is from."""
     assert air("earth").at(0.0).speed_of_sound == pytest.approx(340.294, rel=1e-4)
@@ -108,11 +114,13 @@ def test_a_column_of_air_is_carried_by_the_air_below_it(name: str) -> None:
     assert weight == pytest.approx(lost, rel=0.02 if name == "earth" else 0.06)
 
 
+@pytest.mark.published
 def test_the_probe_s_depth_in_jupiter_is_the_measured_one() -> None:
     """22 bar and 428 K, 132 km below 1 bar (Seiff et al. 1998); the file's height is that of a gas at rest."""
     assert air("jupiter").altitudes[0] == pytest.approx(-132e3, rel=0.005)
 
 
+@pytest.mark.published
 def test_the_wind_in_jupiter_grows_to_4_bar_and_no_further() -> None:
     """Some 100 m/s at 1 bar, 170 m/s at 4 bar and down to 21 (Atkinson et al. 1998)."""
     heights = np.linspace(-132e3, 0.0, 331)

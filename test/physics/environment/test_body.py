@@ -49,6 +49,7 @@ def test_every_file_loads_and_has_the_name_of_its_file() -> None:
         assert load(name).name == name
 
 
+@pytest.mark.published("GM/R2 of each body (JPL Solar System Dynamics)")
 @pytest.mark.parametrize(("name", "gravity"), PUBLISHED_GRAVITY.items())
 def test_gravity_is_the_published_one(name: str, gravity: float) -> None:
     assert load(name).surface_gravity == pytest.approx(gravity, rel=0.005)
@@ -68,11 +69,13 @@ def test_gravity_of_irregular_bodies(name: str, gravity: float) -> None:
     assert load(name).surface_gravity == pytest.approx(gravity, rel=0.1)
 
 
+@pytest.mark.published("1361 W/m2 at 1 au")
 @pytest.mark.parametrize(("name", "flux"), PUBLISHED_FLUX.items())
 def test_sunlight_is_the_published_one(name: str, flux: float) -> None:
     assert load(name).solar_flux == pytest.approx(flux, rel=0.005)
 
 
+@pytest.mark.published("NASA NSSDCA Planetary Fact Sheets")
 @pytest.mark.parametrize(("name", "hours"), PUBLISHED_DAY.items())
 def test_solar_day_is_the_published_one(name: str, hours: float) -> None:
     assert load(name).solar_day_hours == pytest.approx(hours, rel=1e-3)

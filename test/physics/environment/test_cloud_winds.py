@@ -48,6 +48,7 @@ def test_the_rows_of_neptune_follow_the_fit(latitude: float) -> None:
     assert wind(NEPTUNE, latitude) == pytest.approx(-398.0 + 0.188 * latitude**2 - 1.2e-5 * latitude**4, abs=4.8)
 
 
+@pytest.mark.published
 def test_uranus_is_fastest_where_keck_saw_it_and_turns_back_at_the_equator() -> None:
     """Jet near 58 to 60 degrees north, with 218 m/s as the fastest cloud of 2003 (Hammel et al. 2005)."""
     found = {latitude: before_its_rotation(URANUS, float(latitude)) for latitude in range(-42, 84)}

@@ -70,6 +70,7 @@ def test_what_is_no_ellipse_is_refused(numbers: tuple[float, float, float, float
         EccentricOrbit(*numbers)
 
 
+@pytest.mark.published("Kessler et al. 1989, NASA TM-100471, by hand")
 def test_debris_of_a_centimetre_in_1988_by_hand() -> None:
     # H = 10^(0.2233 / 2) = 1.2932, f = 10^0.0714 = 1.1788, phi = 0.54104, 1.22e-5 + 6.826e-7, psi 0.96
     assert debris_flux(0.01, 500e3, 40.0, 1988.0) == pytest.approx(8.653e-6, rel=2e-3)

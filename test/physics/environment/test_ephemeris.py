@@ -48,6 +48,7 @@ def test_the_suns_selenographic_place_of_meeus_example_53a() -> None:
     assert math.degrees(seen.latitude) == pytest.approx(1.46, abs=0.02)
 
 
+@pytest.mark.published("Meeus 1998, Astronomical Algorithms, example 25.a")
 def test_the_suns_apparent_place_of_meeus_example_25a() -> None:
     # 1992 October 13, 0 h TD: declination -7.78507 deg, distance 0.99766 au
     at = dynamical(2448908.5)
@@ -56,6 +57,7 @@ def test_the_suns_apparent_place_of_meeus_example_25a() -> None:
     assert seen.distance == pytest.approx(0.99766, abs=5e-5)
 
 
+@pytest.mark.published("Allison & McEwen 2000, Planet. Space Sci. 48:215")
 def test_mars_at_the_example_of_allison_and_mcewen() -> None:
     mars = mars_time(date(2000, 1, 6, 0))
     assert mars.solar_longitude == pytest.approx(277.18758, abs=2e-5)

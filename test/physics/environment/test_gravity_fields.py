@@ -63,6 +63,7 @@ def test_earth_has_the_normal_gravity_of_somigliana(latitude: float) -> None:
     assert abs(east) < 1e-12 and abs(north) < 2e-5 and up < 0.0  # the level ellipsoid is level
 
 
+@pytest.mark.published
 def test_earth_s_gravity_falls_with_height_as_geodesy_has_it() -> None:
     """Free-air gradient at 45 degrees, 3.086e-6 per second squared (Heiskanen & Moritz 1967, eq. 2-122)."""
     low, high = (body("earth").gravity_over(site(45.0, 0.0, h)).gravity for h in (0.0, 1000.0))

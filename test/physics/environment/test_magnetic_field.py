@@ -57,6 +57,7 @@ def test_earth_points_straight_down_at_the_geomagnetic_pole_and_north_at_the_equ
     assert magnetic_equator[1] == pytest.approx(29_806e-9, rel=0.01) and abs(magnetic_equator[2]) < 3e-7
 
 
+@pytest.mark.published
 def test_mercury_is_three_times_as_strong_at_its_north_pole_as_at_its_south_pole() -> None:
     """The offset of 0.196 radii: (1.196 / 0.804)^3 = 3.3 (Anderson et al. 2011, Science 333:1859: some 3.4)."""
     north, south = (

@@ -27,6 +27,7 @@ def accelerated(_time: float, state: FloatArray) -> FloatArray:
     return np.concatenate([state[3:], -GM * place / np.linalg.norm(place) ** 3])
 
 
+@pytest.mark.published("the International Space Station, 408 km, 51.64 degrees")
 def test_the_station_goes_round_and_its_node_drifts_as_published() -> None:
     assert STATION.period / 60.0 == pytest.approx(92.7, abs=0.1)
     assert STATION.speed == pytest.approx(7664.0, abs=3.0)
@@ -36,6 +37,7 @@ def test_the_station_goes_round_and_its_node_drifts_as_published() -> None:
     assert STATION.shadow_share(0.0) * STATION.period / 60.0 == pytest.approx(36.0, abs=0.5)
 
 
+@pytest.mark.published("Vallado 2013, Fundamentals of Astrodynamics")
 def test_a_sun_synchronous_orbit_turns_with_the_sun_and_a_critical_one_keeps_its_perigee() -> None:
     # 800 km: 98.60 degrees (Vallado 2013); a turn a year
     orbit = CircularOrbit(GM, R, R + 800e3)

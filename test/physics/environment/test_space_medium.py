@@ -25,6 +25,7 @@ def test_at_the_distance_of_the_earth() -> None:
     assert here.magnetic_field == pytest.approx(5e-9)
 
 
+@pytest.mark.published
 def test_at_jupiter_the_field_lies_across_and_has_thinned_as_was_found() -> None:
     """About 1 nT and 80 degrees (Kivelson and Russell, table 4.2)."""
     there = medium_at(5.2)

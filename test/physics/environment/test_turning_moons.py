@@ -77,6 +77,7 @@ def test_the_earth_stands_over_the_moon_where_another_ephemeris_has_it() -> None
         assert off(earth_from("moon", at(date)), direction) < 0.04
 
 
+@pytest.mark.published
 def test_phobos_gains_on_its_mean_motion_as_its_orbit_sinks() -> None:
     """By 4 cm a year (Bills et al. 2005, J. Geophys. Res. 110:E07004): n is as a^(-3/2), and the longitude gains half
     of its change times the time."""

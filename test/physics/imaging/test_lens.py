@@ -55,6 +55,7 @@ def test_radial_and_tangential_distortion_are_those_of_the_formula() -> None:
     assert project(camera, np.array([[2 * x, 2 * y, 2.0]]))[0] == pytest.approx(expected)
 
 
+@pytest.mark.published
 def test_navigation_camera_of_mer_is_as_published() -> None:
     """Maki et al. 2003: 45 degrees square, 1024 pixels, 0.82 mrad a pixel."""
     path = config_folder() / "parts" / "mer_navcam.yaml"

@@ -40,6 +40,7 @@ def light_time(name: str, *date: int) -> float:
     return LIGHT_S_PER_AU * earth_from(name, instant(datetime(*date, tzinfo=UTC).timestamp())).distance  # type: ignore[arg-type,misc]
 
 
+@pytest.mark.published("press kits of the landings, and distances of the oppositions")
 @pytest.mark.parametrize(
     ("date", "minutes"),
     [

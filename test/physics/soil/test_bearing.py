@@ -12,6 +12,7 @@ from sojourn_physics.soil.bearing import bearing_factors, bulldozing_resistance
 LRV_SINKAGE = (3.0 * 253.0 / (2.0 * (1400.0 + 0.229 * 820e3) * math.sqrt(0.813))) ** (2.0 / 3.0)
 
 
+@pytest.mark.published("Terzaghi 1943")
 def test_terzaghi_factors_at_33_degrees() -> None:
     factors = bearing_factors(math.radians(33.0))
     assert factors.n_q == pytest.approx(32.23, rel=1e-3)
@@ -21,6 +22,7 @@ def test_terzaghi_factors_at_33_degrees() -> None:
     assert factors.k_gamma == pytest.approx(72.77, rel=1e-3)
 
 
+@pytest.mark.published
 @pytest.mark.parametrize(
     ("degrees", "n_c", "n_q"),
     [(0, 5.7, 1.0), (10, 9.6, 2.7), (20, 17.7, 7.4), (30, 37.2, 22.5), (40, 95.7, 81.3)],

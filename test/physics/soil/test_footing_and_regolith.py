@@ -31,6 +31,7 @@ def test_strip_footing_is_terzaghi() -> None:
     assert footing.ultimate_pressure(lunar, 0.1, MOON, "strip", 20.0) == pytest.approx(expected)
 
 
+@pytest.mark.published
 def test_safe_load_of_a_landing_pad() -> None:
     """A 0.3 m pad on nominal lunar soil by hand: phi 35 deg, N_c 57.75, N_q 41.44 (Terzaghi's table)."""
     phi = math.radians(35)
@@ -66,6 +67,7 @@ def test_wheel_at_rest_bears_the_integral_of_the_pressure(n: float, depth: float
     assert footing.static_wheel_sinkage(lunar, load, radius, width) == pytest.approx(sinkage, rel=1e-6)
 
 
+@pytest.mark.published
 def test_static_sinkage_of_ishigami() -> None:
     """Published: 11.81 mm under 64.68 N; the static contact of the wheel law, by another quadrature."""
     found = footing.static_wheel_sinkage(load_params("soils", "ishigami_2007", SoilParams), 64.68, 0.09, 0.11)
@@ -74,6 +76,7 @@ def test_static_sinkage_of_ishigami() -> None:
     assert pressure == pytest.approx(64.68 / (0.11 * 0.09 * math.sin(math.acos(1.0 - found / 0.09))))
 
 
+@pytest.mark.published("Lunar Sourcebook, table 9.4")
 def test_regolith_over_depth() -> None:
     assert regolith.density(0.0) == pytest.approx(1301.3, abs=0.1)
     assert regolith.density(0.30) == pytest.approx(1920.0 * 42.2 / 48.0)

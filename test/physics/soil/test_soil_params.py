@@ -74,6 +74,7 @@ def test_soil_is_the_published_one(name: str, row: tuple[float | None, ...]) -> 
     assert not {"n", "k_c", "k_phi", "friction_angle_deg"} & set(soil.estimates)
 
 
+@pytest.mark.published("Ishigami 2007, Lunar Sourcebook")
 def test_published_shear_moduli_and_densities() -> None:
     lunar, ishigami, kls = load("lunar_nominal"), load("ishigami_2007"), load("kls_1")
     assert lunar.shear_modulus == 0.0178

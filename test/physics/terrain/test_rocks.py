@@ -25,6 +25,7 @@ def covered_fraction(area_fraction: float, diameter: float) -> float:
     return area_fraction * math.exp(-decay_rate(area_fraction) * diameter)
 
 
+@pytest.mark.published
 def test_law_at_the_viking_sites() -> None:
     """Viking 1: 0.069 covered, q 3.99; Viking 2: 0.176, q 2.65 (Golombek & Rapp 1997, eq. 1 and 2)."""
     assert decay_rate(0.069) == pytest.approx(3.99, abs=0.01)

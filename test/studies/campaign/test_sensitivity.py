@@ -12,6 +12,7 @@ def ishigami(x: np.ndarray) -> np.ndarray:
     return np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
 
 
+@pytest.mark.published
 def test_indices_of_ishigami_are_the_published_ones() -> None:
     """0.3139, 0.4424, 0 (Saltelli et al. 2008, Global Sensitivity Analysis: The Primer, 5.8)."""
     x = np.random.default_rng(1).uniform(-np.pi, np.pi, (8000, 3))
