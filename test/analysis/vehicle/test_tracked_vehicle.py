@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -16,6 +16,7 @@ from sojourn_analysis.vehicle.track_traction import (
     TrackGround,
     footing,
     greatest_grade,
+    mean_powers,
     pull,
     slip_on,
     steady_climb,
@@ -107,6 +108,7 @@ def test_on_the_level_it_is_bekkers_pressure_and_the_law_in_one_piece(soil: str)
     ahead=st.floats(-0.1, 0.1),
     peakedness=st.floats(0.0, 0.9),
 )
+@example(soil="lean_clay", grade=-0.21851210136229826, ahead=0.05872596419529966, peakedness=0.1329810794592457)
 def test_the_pressure_carries_the_machine_on_a_grade(soil: str, grade: float, ahead: float, peakedness: float) -> None:
     """Forces and moments about the middle of the runs, by sums over the pressure alone."""
     ground = GROUNDS[soil]
@@ -122,6 +124,13 @@ def test_the_pressure_carries_the_machine_on_a_grade(soil: str, grade: float, ah
     moment = float(carried @ place)
     assert moment == pytest.approx(ground.weight * math.cos(grade) * lever, abs=1e-6 * ground.weight)
     assert (found.pressure >= 0.0).all()
+
+
+@given(slope=st.floats(0.0, 20.0), n=st.floats(0.2, 1.6))
+def test_means_of_powers_add_up_to_the_integral(slope: float, n: float) -> None:
+    reach = 1.0 if slope <= 1.0 else 1.0 / slope
+    whole, _ = quad(lambda x: max(1.0 - slope * x, 0.0) ** n, 0.0, reach, epsabs=1e-13, epsrel=1e-12)
+    assert mean_powers(slope, n).mean() == pytest.approx(whole, rel=1e-7)
 
 
 @settings(deadline=None, max_examples=60)

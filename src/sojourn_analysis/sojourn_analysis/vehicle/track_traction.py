@@ -32,7 +32,9 @@ from sojourn_physics.contact.wheel_on_soil import pressure_modulus
 from sojourn_physics.soil.params import SoilColumn
 
 POINTS = 384
-"""Of the midpoint rule along the runs."""
+"""Parts of the runs, of like length."""
+SLIGHT = 1e-3
+"""Slope below which the mean over a part is its middle's to 1e-12, and a difference of powers has lost as much [-]."""
 LARGEST_LEAN = 0.45
 """Of the middle of pressure, over the length of the runs."""
 
@@ -78,15 +80,15 @@ def footing(ground: TrackGround, grade: float = 0.0) -> TrackFooting:
     part = (np.arange(POINTS) + 0.5) / POINTS
     share = 1.0 - track.peakedness * np.cos(2.0 * np.pi * track.road_wheels * part)
 
-    def depths(slope: float) -> FloatArray:
-        return np.asarray(np.maximum(1.0 - slope * part, 0.0))
+    def pressed(slope: float) -> FloatArray:
+        return np.asarray(share * mean_powers(slope, n))
 
     def excess(slope: float) -> float:
-        pressed = share * depths(slope) ** n
-        return float(pressed @ (0.5 - part) / pressed.sum()) - abs(lean)
+        shape = pressed(slope)
+        return float(shape @ (0.5 - part) / shape.sum()) - abs(lean)
 
     slope = brentq(excess, 0.0, 20.0, xtol=1e-12) if abs(lean) > 1e-9 else 0.0
-    shape = share * depths(slope) ** n
+    shape = pressed(slope)
     modulus = pressure_modulus(soil, min(track.width, track.length))
     mean = ground.weight * math.cos(grade) / vehicle.area
     greatest = mean / float(shape.mean())
@@ -97,6 +99,16 @@ def footing(ground: TrackGround, grade: float = 0.0) -> TrackFooting:
     )
     pressure = greatest * (shape if lean >= 0.0 else shape[::-1])
     return TrackFooting(pressure, depth, compaction, 2.0 * track.width * wall)
+
+
+def mean_powers(slope: float, n: float) -> FloatArray:
+    """Means of max(1 - slope ξ, 0)^n over each part of the runs, (POINTS,), in closed form: with n well below one the
+    part that just leaves the ground would jump by what its middle bears, and no slope had the middle of pressure asked.
+    """
+    ends = np.maximum(1.0 - slope * np.arange(POINTS + 1) / POINTS, 0.0)
+    if slope < SLIGHT:
+        return np.asarray((0.5 * (ends[:-1] + ends[1:])) ** n)
+    return np.asarray(-np.diff(ends ** (n + 1.0)) * (POINTS / ((n + 1.0) * slope)))
 
 
 def thrust(ground: TrackGround, found: TrackFooting, slip: float) -> float:
