@@ -3,6 +3,7 @@ come to."""
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -57,6 +58,7 @@ def test_a_lone_battery_is_charged_to_full_and_no_further(dt: float) -> None:
     light=st.sampled_from([0.0, 150.0]),
 )
 @example(soc=1.0, powers=[1.9e-31], dt=60.0, light=0.0)
+@example(soc=5.960464477539063e-08, powers=[151.0], dt=3600.0, light=150.0)
 def test_a_lone_bank_gives_its_bus_the_energy_that_it_loses(
     soc: float, powers: list[float], dt: float, light: float
 ) -> None:
@@ -68,7 +70,9 @@ def test_a_lone_bank_gives_its_bus_the_energy_that_it_loses(
     for power in powers:
         before = state.stores[0].soc
         state, output = network.step(state, (1.0,), (power,), dt)
-        assert output.voltage >= 0.0 and state.stores[0].soc >= -1e-9
+        # at a microvolt the load's current is 1e8 A, and the bank's the difference of two of that size
+        rounded = 4.0 * np.finfo(float).eps * float(output.load_current.sum()) * dt / bank.charge_capacity
+        assert output.voltage >= 0.0 and state.stores[0].soc >= -1e-9 - rounded
         assert power < 0.0 or state.stores[0].soc <= max(before, 1.0) + 1e-9
     lost = bank.stored_energy(soc) - bank.stored_energy(state.stores[0].soc) - state.stores[0].energy_heat
     turned = sum(abs(power) * dt for power in powers) + bank.stored_energy(1.0)
