@@ -16,9 +16,9 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(__file__).parents[1] / "config" / "nodes" / "fastdds.xml")
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SYSTEM_DEFAULT"
 
-# How long an example takes says something of what else the machine does, and nothing of the code. Continuous
-# integration judges a change by the same examples each time; new ones are looked for wherever else tests are run.
-settings.register_profile("sojourn", deadline=None, derandomize="CI" in os.environ)
+# How long an example takes says something of what else the machine does, and nothing of the code. A commit is judged by
+# the same examples wherever its tests are run; new ones are looked for with scripts/test --random.
+settings.register_profile("sojourn", deadline=None, derandomize="SOJOURN_RANDOM_EXAMPLES" not in os.environ)
 settings.load_profile("sojourn")
 
 FIRST = [Path(__file__).parent / folder for folder in ("system", "replay", "studies", "bringup", "nodes")]
