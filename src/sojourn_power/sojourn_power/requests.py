@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.values import DiagnosticArray
-from sojourn_flight.power_manager.law import LoadSwitch
 from sojourn_flight.power_manager.requests import parse_switches
+from sojourn_flight.power_manager.switchboard import LoadSwitch
 from sojourn_machine.errors import InvalidValueError
 
 

@@ -24,7 +24,7 @@ def power(scenario: LoadedScenario) -> Figure:
         store = state.stores[0]
         reading = StoreReading(output.voltage, output.store_currents[0], store.temperature)
         mind, command = manager.step(params, mind, manager.PowerManagerInput((reading,)), dt)
-        fractions = np.array(command.fractions())
+        fractions = np.array(command.fractions)
         rows.append((step * dt / 3600.0, store.soc, command.soc, output.voltage, output.load_power.sum(), *fractions))
         if store.soc < 0.04:
             break

@@ -249,7 +249,7 @@ def test_sag_and_limit_settle_together_on_a_weak_battery() -> None:
         voltage, served = solve_bus(28.6, 0.4, power, fractions[4] * 15.0 / 28.0**2, 0.0)
         assert served == 1.0
         state, output = manager.step(PARAMS, state, telemetry(voltage, (28.6 - voltage) / 0.4), 0.1)
-        fractions = output.fractions()
+        fractions = output.fractions
         voltages.append(voltage)
     assert 25.0 < voltages[-1] < 27.0
     assert max(voltages[-100:]) - min(voltages[-100:]) < 1e-3

@@ -57,7 +57,7 @@ def test_a_full_battery_driven_until_empty_sheds_in_order_and_keeps_the_computer
             (StoreReading(electrical.voltage, electrical.store_currents[0], cell.temperature),)
         )
         state, output = manager.step(awake, state, telemetry, dt)
-        fractions = output.fractions()
+        fractions = output.fractions
         levels.append(output.shed_level)
     assert output.soc == pytest.approx(0.0, abs=0.02)
     assert levels == sorted(levels)  # constant drain: nothing comes back

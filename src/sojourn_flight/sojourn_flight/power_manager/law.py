@@ -21,10 +21,10 @@ of gain g = 1.5 R P / (V (start - stop)); at a period dt it settles without swin
 `derate_time_constant`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import exp, isfinite
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 from sojourn_flight.power_manager import charge_estimate, faults, modes, switch_watch
 from sojourn_flight.power_manager.charge_estimate import StoreEstimate
@@ -34,12 +34,10 @@ from sojourn_flight.power_manager.modes import AWAKE, SLEEP, Mode, SleepState, S
 from sojourn_flight.power_manager.params import PowerLawParams, PowerManagerParams
 from sojourn_flight.power_manager.reading import StoreReading
 from sojourn_flight.power_manager.requests import switched
+from sojourn_flight.power_manager.switchboard import Grounds, LoadSwitch, Orders
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.power.battery import SECONDS_PER_HOUR
-from sojourn_machine.power.loads import LoadParams
-
-SwitchMode: TypeAlias = Literal["on", "off", "limit"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,50 +69,103 @@ class PowerManagerState:
     sleep: SleepState = AWAKE
     faults: FaultState = field(default_factory=FaultState)
 
-
-@dataclass(frozen=True, slots=True)
-class LoadSwitch:
-    """The command to one load."""
-
-    name: str
-    mode: SwitchMode
-    fraction: float
-    """0 off to 1 on; between, the part of its power that the load may take [1]."""
-    reason: str
+    @property
+    def grounds(self) -> Grounds:
+        """What the switches go by."""
+        levels = (self.level_by_charge, self.level_by_voltage)
+        return Grounds(self.wanted, *levels, self.sleep.asleep, self.drive_fraction)
 
 
 @dataclass(frozen=True, slots=True)
 class PowerManagerOutput:
-    """Switches and battery estimates of one period."""
+    """Switches and battery estimates of one period; what is not asked for is not worked out."""
 
-    soc: float
-    """Estimated charge of all stores [1]."""
-    charges: tuple[float, ...]
-    """Estimated charge of each store [1]."""
-    filters: tuple[KalmanState | None, ...]
-    """Of each store, where the law estimates by one."""
-    energy_remaining_wh: float
-    """Energy above empty at the estimated charges [Wh]."""
-    time_to_empty: float
-    """At the filtered currents [s]; infinite while the stores are not discharging."""
-    correcting: bool
-    """The open-circuit voltage is correcting the charge of a store."""
-    mode: Mode
-    mode_reason: str
-    """Why, in words."""
-    faults: tuple[Fault, ...]
-    shed_level: int
-    """Levels shed, 0 none [1]."""
-    drive_fraction: float
-    """Fraction of their power that the loads may take which drive the machine [1]."""
-    switches: tuple[LoadSwitch, ...]
-    """One for each load, in the order of the parameters."""
-    warnings: tuple[str, ...]
-    """What an operator should know, in words."""
+    params: PowerManagerParams
+    state: PowerManagerState
+    """After the period."""
+    inputs: PowerManagerInput
+    orders: Orders
 
+    @property
+    def soc(self) -> float:
+        """Estimated charge of all stores [1]."""
+        return _charge(self.params, self.state.stores)
+
+    @property
+    def charges(self) -> tuple[float, ...]:
+        """Estimated charge of each store [1]."""
+        return tuple([store.charge for store in self.state.stores])
+
+    @property
+    def filters(self) -> tuple[KalmanState | None, ...]:
+        """Of each store, where the law estimates by one."""
+        return tuple([store.filter for store in self.state.stores])
+
+    @property
+    def energy_remaining_wh(self) -> float:
+        """Energy above empty at the estimated charges [Wh]."""
+        return self.params.stored_energy(self.charges) / SECONDS_PER_HOUR
+
+    @property
+    def time_to_empty(self) -> float:
+        """At the filtered currents [s]; infinite while the stores are not discharging."""
+        charge, current = 0.0, 0.0
+        for store, ratio, known in zip(self.params.stores, self.params.ratios, self.state.stores, strict=True):
+            charge += ratio * known.charge * store.charge_capacity
+            current += ratio * known.current_filtered
+        return charge / current if current > 0.0 else float("inf")
+
+    @property
+    def correcting(self) -> bool:
+        """The open-circuit voltage is correcting the charge of a store."""
+        return any(store.correcting for store in self.state.stores)
+
+    @property
+    def mode(self) -> Mode:
+        """One word for what is switched off."""
+        return self.orders.mode
+
+    @property
+    def mode_reason(self) -> str:
+        """Why, in words."""
+        if self.state.sleep.asleep:
+            return self.state.sleep.reason
+        return self.params.switchboard.level_reason(self.state.grounds, self.shed_level)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """That telemetry shows."""
+        return faults.recognised(self.params.power, self.state.faults)
+
+    @property
+    def shed_level(self) -> int:
+        """Levels shed, 0 none [1]."""
+        return self.orders.shed_level
+
+    @property
+    def drive_fraction(self) -> float:
+        """Fraction of their power that the loads may take which drive the machine [1]."""
+        return self.state.drive_fraction
+
+    @property
+    def switches(self) -> tuple[LoadSwitch, ...]:
+        """One for each load, in the order of the parameters."""
+        return self.orders.switches
+
+    @property
     def fractions(self) -> tuple[float, ...]:
         """The fraction of every switch, in the order of the parameters, as the network takes it."""
-        return tuple(switch.fraction for switch in self.switches)
+        return self.orders.fractions
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What an operator should know, in words."""
+        found = list(_store_warnings(self.params, self.inputs))
+        if self.shed_level > 0:
+            found.append(f"load shedding at level {self.shed_level} of {len(self.params.shed_priorities)}")
+        if self.drive_fraction < 1.0:
+            found.append(f"drive limited to {self.drive_fraction:.0%} by the bus voltage")
+        return tuple(found)
 
 
 def initial_state(params: PowerManagerParams, soc: float | None = None) -> PowerManagerState:
@@ -170,29 +221,42 @@ def step(
     Raises:
         InvalidValueError: telemetry or dt not a finite number, not one reading a store.
     """
+    before = state.faults
+    state, output = decided(params, state, inputs, dt)
+    state = replace(state, faults=_faults(params, before, inputs, output.orders.on, dt))
+    return state, replace(output, state=state)
+
+
+def decided(
+    params: PowerManagerParams, state: PowerManagerState, inputs: PowerManagerInput, dt: float
+) -> tuple[PowerManagerState, PowerManagerOutput]:
+    """One period of the law without its watch for faults, which decides nothing: all that a look ahead needs. Raises
+    InvalidValueError as `step`.
+    """
     _require_telemetry(params, inputs, dt)
     estimates = [
         charge_estimate.step(store, params.law, before, reading, dt)
         for store, before, reading in zip(params.stores, state.stores, inputs.stores, strict=True)
     ]
-    state = replace(state, stores=tuple(estimates))
-    watch, watched = params.law.faults.switches, params.switch_watch
-    found = faults.step(params.law.faults, params.power, state.faults, inputs.stores, dt)
-    found = replace(found, switches=switch_watch.step(watch, watched, found.switches, inputs.stores, dt))
-    state = replace(
-        state,
-        drive_fraction=_drive_fraction(params.law, state.drive_fraction, inputs.stores[params.watched].voltage, dt),
-        faults=found,
-        **_levels(params, state, dt),
-    )
+    stores = tuple(estimates)
+    voltage = inputs.stores[params.watched].voltage
+    fraction = _drive_fraction(params.law, state.drive_fraction, voltage, dt)
+    state = replace(state, stores=stores, drive_fraction=fraction, **_levels(params, state, stores, dt))
     sleep = modes.after(params.law.sleep, params.loads, state.sleep, _supply(params, state), dt)
     state = state if sleep is state.sleep else _changed(params, state, sleep)
-    output = _output(params, state, inputs)
-    on = tuple([switch.fraction > 0.0 for switch in output.switches])
-    if on != found.switches.on:
-        told = switch_watch.told(watch, watched, found.switches, on, inputs.stores[params.watched].voltage, dt)
-        state = replace(state, faults=replace(found, switches=told))
-    return state, output
+    return state, PowerManagerOutput(params, state, inputs, params.switchboard.orders(state.grounds))
+
+
+def _faults(
+    params: PowerManagerParams, before: FaultState, inputs: PowerManagerInput, on: tuple[bool, ...], dt: float
+) -> FaultState:
+    """What telemetry shows of faults; on: which loads are from now on."""
+    watch, watched = params.law.faults.switches, params.switch_watch
+    found = faults.step(params.law.faults, params.power, before, inputs.stores, dt)
+    switches = switch_watch.step(watch, watched, found.switches, inputs.stores, dt)
+    if on != switches.on:
+        switches = switch_watch.told(watch, watched, switches, on, inputs.stores[params.watched].voltage, dt)
+    return replace(found, switches=switches)
 
 
 def derate_target(law: PowerLawParams, voltage: float) -> float:
@@ -211,29 +275,31 @@ def _drive_fraction(law: PowerLawParams, fraction: float, voltage: float, dt: fl
     return target if at_end else moved
 
 
-def _charge(params: PowerManagerParams, state: PowerManagerState) -> float:
+def _charge(params: PowerManagerParams, stores: Sequence[StoreEstimate]) -> float:
     """State of charge of all stores together [1]."""
-    return sum([share * store.charge for share, store in zip(params.shares, state.stores, strict=True)])
+    return sum([share * store.charge for share, store in zip(params.shares, stores, strict=True)])
 
 
 def _supply(params: PowerManagerParams, state: PowerManagerState) -> Supply:
     """What decides on sleep."""
     known = [(store.voltage_filtered or 0.0) * store.current_filtered for store in state.stores]
     survival = 0 < len(params.shed_priorities) == max(state.level_by_charge, state.level_by_voltage)
-    return Supply(survival or not params.shed_priorities, _charge(params, state), -sum(known))
+    return Supply(survival or not params.shed_priorities, _charge(params, state.stores), -sum(known))
 
 
-def _levels(params: PowerManagerParams, state: PowerManagerState, dt: float) -> dict[str, Any]:
-    """What is remembered of the levels that are shed, for low charge and for low voltage."""
+def _levels(
+    params: PowerManagerParams, state: PowerManagerState, stores: Sequence[StoreEstimate], dt: float
+) -> dict[str, Any]:
+    """What is remembered of the levels that are shed, for low charge and for low voltage; stores: as known now."""
     law, thresholds = params.law, params.shed_thresholds
-    soc = _charge(params, state)
+    soc = _charge(params, stores)
     by_charge = state.level_by_charge
     while by_charge < len(thresholds) and soc < thresholds[by_charge]:
         by_charge += 1
     while by_charge > 0 and soc > thresholds[by_charge - 1] + law.shed_soc_hysteresis:
         by_charge -= 1
 
-    filtered = state.stores[params.watched].voltage_filtered
+    filtered = stores[params.watched].voltage_filtered
     voltage = law.shed_voltage if filtered is None else filtered
     by_voltage = state.level_by_voltage
     low = state.low_elapsed + dt if voltage < law.shed_voltage else 0.0
@@ -244,85 +310,6 @@ def _levels(params: PowerManagerParams, state: PowerManagerState, dt: float) -> 
     if high > law.restore_interval and by_voltage > 0:
         by_voltage, high = by_voltage - 1, 0.0
     return {"level_by_charge": by_charge, "level_by_voltage": by_voltage, "low_elapsed": low, "high_elapsed": high}
-
-
-def _output(params: PowerManagerParams, state: PowerManagerState, inputs: PowerManagerInput) -> PowerManagerOutput:
-    asleep = state.sleep.asleep
-    level = len(params.shed_priorities) if asleep else max(state.level_by_charge, state.level_by_voltage)
-    shed = params.shed_priorities[:level]
-    charges = tuple([store.charge for store in state.stores])
-    warnings = list(_store_warnings(params, inputs))
-    if level > 0:
-        warnings.append(f"load shedding at level {level} of {len(params.shed_priorities)}")
-    if state.drive_fraction < 1.0:
-        warnings.append(f"drive limited to {state.drive_fraction:.0%} by the bus voltage")
-    return PowerManagerOutput(
-        soc=_charge(params, state),
-        charges=charges,
-        filters=tuple([store.filter for store in state.stores]),
-        energy_remaining_wh=params.stored_energy(charges) / SECONDS_PER_HOUR,
-        time_to_empty=_time_to_empty(params, state),
-        correcting=any(store.correcting for store in state.stores),
-        mode=modes.mode_of(params.loads, shed, len(params.shed_priorities), asleep),
-        mode_reason=_mode_reason(params, state, level),
-        faults=faults.recognised(params.power, state.faults),
-        shed_level=level,
-        drive_fraction=state.drive_fraction,
-        switches=tuple(
-            _switch(params, state, load, granted, shed) if wanted or load.essential else _switched_off(load)
-            for load, wanted, granted in zip(params.loads, state.wanted, params.granted, strict=True)
-        ),
-        warnings=tuple(warnings),
-    )
-
-
-def _time_to_empty(params: PowerManagerParams, state: PowerManagerState) -> float:
-    charge, current = 0.0, 0.0
-    for store, ratio, known in zip(params.stores, params.ratios, state.stores, strict=True):
-        charge += ratio * known.charge * store.charge_capacity
-        current += ratio * known.current_filtered
-    return charge / current if current > 0.0 else float("inf")
-
-
-def _switch(
-    params: PowerManagerParams,
-    state: PowerManagerState,
-    load: LoadParams,
-    granted: tuple[float, str],
-    shed: tuple[int, ...],
-) -> LoadSwitch:
-    if load.essential:
-        if state.sleep.asleep and params.law.sleep is not None and load.name in params.law.sleep.loads:
-            return LoadSwitch(load.name, "off", 0.0, "asleep")
-        return LoadSwitch(load.name, "on", 1.0, "essential")
-    if load.priority in shed:
-        return LoadSwitch(load.name, "off", 0.0, f"shed: {_shed_reason(params, state, shed.index(load.priority))}")
-    fraction, reason = granted
-    if load.name in params.derated and state.drive_fraction < 1.0:
-        fraction, reason = fraction * state.drive_fraction, "bus voltage is low"
-    mode: SwitchMode = "on" if fraction >= 1.0 else "limit" if fraction > 0.0 else "off"
-    return LoadSwitch(load.name, mode, fraction, reason)
-
-
-def _shed_reason(params: PowerManagerParams, state: PowerManagerState, rank: int) -> str:
-    """Why a level is shed, in words."""
-    if rank < state.level_by_charge:
-        return params.shed_words[rank]
-    if rank < state.level_by_voltage:
-        return f"bus was below {params.law.shed_voltage:.1f} V"
-    return "asleep"
-
-
-def _mode_reason(params: PowerManagerParams, state: PowerManagerState, level: int) -> str:
-    if state.sleep.asleep:
-        return state.sleep.reason
-    if level == 0:
-        return "nothing is shed"
-    return f"{level} of {len(params.shed_priorities)} levels shed: {_shed_reason(params, state, level - 1)}"
-
-
-def _switched_off(load: LoadParams) -> LoadSwitch:
-    return LoadSwitch(load.name, "off", 0.0, "switched off by the operator")
 
 
 def _store_warnings(params: PowerManagerParams, inputs: PowerManagerInput) -> Iterator[str]:

@@ -11,6 +11,7 @@ from sojourn_flight.power_manager.forecast_params import ForecastParams
 from sojourn_flight.power_manager.kalman import KalmanParams
 from sojourn_flight.power_manager.modes import SLEEP, SleepParams
 from sojourn_flight.power_manager.switch_watch import Watched
+from sojourn_flight.power_manager.switchboard import Switchboard
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.names import names_text
 from sojourn_machine.params import Params
@@ -119,6 +120,11 @@ class PowerManagerParams(Params):
         return Watched(self.power, self.on_thermostats)
 
     @cached_property
+    def switchboard(self) -> Switchboard:
+        """What the loads are switched to."""
+        return Switchboard(self)
+
+    @cached_property
     def shares(self) -> tuple[float, ...]:
         """Part of all energy that each store holds when all are full [1]."""
         full = [store.stored_energy(1.0) for store in self.stores]
@@ -173,6 +179,6 @@ class PowerManagerParams(Params):
         """As pydantic's, but a changed copy works out its own levels and limits."""
         copied = super().model_copy(update=update, deep=deep)
         levels = ("shed_priorities", "shed_thresholds", "shed_words", "granted")
-        for name in ("stores", "watched", "switch_watch", "shares", "ratios", *levels):
+        for name in ("stores", "watched", "switch_watch", "switchboard", "shares", "ratios", *levels):
             copied.__dict__.pop(name, None)
         return copied

@@ -115,11 +115,11 @@ class Preview:
         """One step of `dt` [s]. Raises InvalidValueError as the law and the network do."""
         params, network = self.params, self.network
         manager = self._asked(state, dt)
-        manager, commanded = law.step(params, manager, PowerManagerInput(self.readings(state)), dt)
+        manager, commanded = law.decided(params, manager, PowerManagerInput(self.readings(state)), dt)
         middle = state.time + 0.5 * dt
         around = self.around(middle)
         demand = np.maximum(self._activities.demand(middle), state.held)
-        fractions = network.as_switched(np.array(commanded.fractions()))
+        fractions = network.as_switched(np.array(commanded.fractions))
         if self._warmth is not None and state.heat is not None:
             around = around._replace(
                 round_stores=self._warmth.heat.store_surroundings(state.heat, state.network.stores, dt)
