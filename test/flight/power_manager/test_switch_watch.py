@@ -81,13 +81,18 @@ def test_one_that_stays_off_is_told(seed: int) -> None:
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**31))
 def test_nothing_is_told_of_switches_that_are_well(seed: int) -> None:
-    """Switched every few seconds, with motors that come and go, and draws off belief by a tenth."""
+    """Switched every few seconds, with motors that come and go, and draws off belief by a tenth.
+
+    Motors rest from 0.3 s before a switching until 0.5 s after it: one that starts or stops just then, and draws just
+    what the load should, is not told from a stuck switch (once in three thousand switchings of this course).
+    """
     draw = np.random.default_rng(seed)
     bench = Bench(seed, {}, error=float(draw.uniform(-0.1, 0.1)))
     for _ in range(12):
         bench.switch(**{str(draw.choice(["cameras", "imu", "actuator_heater"])): bool(draw.random() < 0.5)})
-        for _ in range(int(draw.integers(60, 150))):
-            if draw.random() < 0.04:
+        count = int(draw.integers(60, 150))
+        for period in range(count):
+            if 5 <= period < count - 3 and draw.random() < 0.04:
                 bench.motors = float(draw.choice([0.0, draw.uniform(0.0, 60.0)]))
             bench.go(0.1)
         assert bench.said == []

@@ -10,11 +10,11 @@ by, D, and of what it should have, e, a draw that is believed within a part of i
 likelier by `certainty`, a logarithm, and fits within three of its deviations, is taken for true; else nothing is said,
 and the next switching tells. So a verdict comes settle + window after a switching, which is 5.3 s.
 
-Motors that start or stop just then, and draw just what the load should, deceive it: so both windows are long and the
-gap between them short, and the power has to be steady over each. Nothing is asked where the step would prove nothing:
-while motors are at work, while other loads are switched at the same time or soon after, for loads that draw what motors
-or thermostats ask, and, on a machine with sources, while the stores are not discharging, where a source may make up for
-the step.
+Motors that start or stop just then, and draw just what the load should, deceive it (once in some three thousand
+switchings while motors change every few seconds): so both windows are long and the gap between them short, and the
+power has to be steady over each. Nothing is asked where the step would prove nothing: while motors are at work, while
+other loads are switched at the same time or soon after, for loads that draw what motors or thermostats ask, and, on a
+machine with sources, while the stores are not discharging, where a source may make up for the step.
 """
 
 import math

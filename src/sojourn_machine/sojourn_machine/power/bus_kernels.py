@@ -37,6 +37,8 @@ FLOWS = 6
 """What is found of a bus: voltage [V], part served [1]; power of all loads, into the converters that it feeds, from the
 one that feeds it, and into the shunt [W].
 """
+LEAST_VOLTAGE = 1e-9
+"""At which anything flows: below it currents are beyond all sense, and in the end beyond all numbers [V]."""
 EDGE = 1e-12
 """How far beyond the edge of a piece, of its voltage, a root may lie for rounding [1]."""
 
@@ -55,7 +57,7 @@ def solve_bus(
     """
     lifted = source - resistance * current
     factor = 1.0 + resistance * conductance
-    if lifted <= 0.0 and power >= 0.0:  # power that is returned lifts even a bus without a force
+    if lifted <= LEAST_VOLTAGE and power >= 0.0:  # power that is returned lifts even a bus without a force
         return 0.0, 0.0 if power > 0.0 else 1.0
     discriminant = lifted * lifted - 4.0 * factor * resistance * power
     if discriminant < 0.0:
@@ -271,7 +273,7 @@ def operating_point(
     wanted = power.sum() + drawn.sum()
     voltage, got, fed, shunt = _meet(stores, sources, converter, target, wanted, conductances.sum(), given)
     flows[VOLTAGE] = voltage
-    if voltage <= 0.0:  # and nothing flows, whoever gives back: what asks for something gets none of it
+    if voltage <= LEAST_VOLTAGE:  # and nothing flows, whoever gives back: what asks for something gets none of it
         given[:] = 0.0
         flows[SERVED] = 0.0 if np.any(power > 0.0) or np.any(drawn > 0.0) else 1.0
         return np.zeros(count), np.zeros(count), flows
