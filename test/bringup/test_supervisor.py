@@ -16,6 +16,9 @@ from typing import Any
 
 import pytest
 
+from sojourn_bringup.child import STOP_S
+from sojourn_contract.process import TEARDOWN_S
+
 RUN = Path(__file__).parent / "fake_run.py"
 LIMIT_S = 600.0
 SHARED_MEMORY = Path("/dev/shm")
@@ -197,6 +200,11 @@ def test_what_a_node_has_started_ends_with_it_and_a_stubborn_node_is_killed(star
     run.end()
     assert any("plant" in line and "killed" in line for line in run.lines)
     assert all_gone(run.children | {grandchild})
+
+
+def test_a_node_whose_middleware_does_not_come_back_ends_itself_before_it_is_killed() -> None:
+    """It has that long from its farewell on, which a busy host may keep it from for some seconds."""
+    assert STOP_S >= TEARDOWN_S + 5.0
 
 
 def test_the_nodes_die_with_their_supervisor(start: Callable[..., Run]) -> None:

@@ -17,8 +17,9 @@ from sojourn_bringup.process_memory import memory_mb
 from sojourn_bringup.process_table import process
 from sojourn_config.ros_environment import foreign_environment, is_ours, own_environment
 
-STOP_S = 5.0
-"""Wall time that a process has to end after SIGINT."""
+STOP_S = 10.0
+"""Wall time that a process has to end after SIGINT: to say farewell, on a host that may be busy, and then the
+`TEARDOWN_S` after which a node of ours ends itself where the middleware does not come back."""
 _LOG_TAIL_BYTES = 8192
 _ROS_LOG = re.compile(r"^\[(?P<level>[A-Z]+)\] \[[0-9.]+\] \[[^\]]*\]: (?P<text>.*)$")
 _EXCEPTION = re.compile(r"^(?:\w+\.)*(\w*(?:Error|Exception|Interrupt)): (?P<text>.*)$")
