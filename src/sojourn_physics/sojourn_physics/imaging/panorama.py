@@ -85,19 +85,34 @@ class Panorama(NamedTuple):
     """Room for a part of a walk, (CHUNK,)."""
 
 
-def panorama(resolution: float, lowest: float, highest: float) -> Panorama:
+class Ways:
+    """Memory for one panorama after another: new memory comes from the system page by page, which takes a tenth of the
+    time of an image.
+    """
+
+    def __init__(self) -> None:
+        self._numbers = np.empty(0, dtype=np.float32)
+
+    def of(self, rows: int, columns: int) -> np.ndarray:
+        """Of this shape, with what was in it; it is that of the last time as well."""
+        if self._numbers.size < rows * columns:
+            self._numbers = np.empty(rows * columns, dtype=np.float32)
+        return self._numbers[: rows * columns].reshape(rows, columns)
+
+
+def panorama(resolution: float, lowest: float, highest: float, ways: Ways) -> Panorama:
     """An empty one.
 
     Args:
         resolution: angle of its bins [rad]. lowest, highest: least and greatest rise of the rays that will be asked
-            for, for each metre of their length, -1 to 1.
+            for, for each metre of their length, -1 to 1. ways: where it is made; one made there before ends.
     """
     azimuths = 4 * math.ceil(0.5 * math.pi / resolution)
     lowest, highest = max(lowest - resolution, -1.0), min(highest + resolution, 1.0)
     height = RISE * resolution
     bins = max(math.ceil((highest - lowest) / height), 1)
     edges = np.clip(lowest + height * np.arange(bins + 1), -1.0 + 1e-9, 1.0 - 1e-9)
-    way = np.empty((azimuths + 1, bins + 1), dtype=np.float32)
+    way = ways.of(azimuths + 1, bins + 1)
     done = np.zeros(azimuths + 1, dtype=np.bool_)
     return Panorama(way, done, edges / np.sqrt(1.0 - edges**2), lowest, height, np.empty(CHUNK))
 

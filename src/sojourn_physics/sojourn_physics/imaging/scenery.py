@@ -4,6 +4,7 @@ What is kept between images, walks and shadows, is a function of the scene alone
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,7 +20,7 @@ from sojourn_physics.imaging.camera import Optics
 from sojourn_physics.imaging.echoes import Sounded, echoes
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
 from sojourn_physics.imaging.lighting import PlacedLens, Scene
-from sojourn_physics.imaging.panorama import Eye, panorama
+from sojourn_physics.imaging.panorama import Eye, Ways, panorama
 from sojourn_physics.imaging.photometry import Illumination, Look
 from sojourn_physics.imaging.ranging import Beams
 from sojourn_physics.imaging.render import render
@@ -77,6 +78,7 @@ class Scenery:
         self._grain = grain(SLOPE, CONTRAST, field.resolution)
         self._look = Look(place.albedo, 1.0 if place.airless else 0.0)
         self._shadows = lru_cache(maxsize=4)(self._shadows_of)
+        self._ways = defaultdict[int, Ways](Ways)
 
     def see(self, eye: Optics, moment: Moment, turn: FloatArray, places: Sequence[FloatArray]) -> list[Seen]:
         """What cameras that are turned alike see of a moment, all at once.
@@ -90,7 +92,8 @@ class Scenery:
 
         def looking_from(number: int) -> Callable[[], Seen]:
             at = Eye(np.array(places[number], dtype=np.float64), FARTHEST, 0.5 / self._place.radius)
-            around, scene = panorama(BIN * eye.pixel, lowest, highest), self._scene(moment, number)
+            around = panorama(BIN * eye.pixel, lowest, highest, self._ways[number])
+            scene = self._scene(moment, number)
             return lambda: render(scene, view, at, around)
 
         return at_once([looking_from(number) for number in range(len(places))])
@@ -104,7 +107,7 @@ class Scenery:
             memory, body: see `Moment`. turn: from the beams' frame into map, (3, 3). place: in map, (3,) [m].
         """
         rays = np.ascontiguousarray(beams.directions @ turn.T)
-        around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()))
+        around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()), self._ways[0])
         eye = Eye(np.array(place, dtype=np.float64), min(beams.reach, FARTHEST), 0.5 / self._place.radius)
         met = Sounded(self._now(memory), self._soils, self._place.albedo, body)
         if beams.reflectance is not None:

@@ -12,7 +12,7 @@ lenses.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,6 +25,7 @@ from sojourn_contract.values import CameraInfo, Image
 from sojourn_machine.chance import mixed
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_faults import SensorFaultParams
+from sojourn_physics.imaging.at_once import at_once
 from sojourn_physics.imaging.camera import (
     LINK_TO_OPTICAL,
     DetectorParams,
@@ -150,10 +151,11 @@ class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
         moment = self.site.scene.moment(truth.stamp, place, ground, here.body)
         seen = self.site.scene.scenery.see(self.optics, moment, turn, [place + x * turn[:, 0] for x in aside.values()])
         time = exposure_for(self.optics, seen[0][0])
-        return [
-            Shot(self._exposed(name, truth.stamp, radiance, time), radiance, distance, time)
-            for name, (radiance, distance) in zip(aside, seen, strict=True)
+        exposed = [
+            partial(self._exposed, name, truth.stamp, radiance, time)
+            for name, (radiance, _) in zip(aside, seen, strict=True)
         ]
+        return [Shot(image, *both, time) for image, both in zip(at_once(exposed), seen, strict=True)]
 
     def _exposed(self, name: str, stamp: int, radiance: NDArray[np.float32], time: float) -> NDArray[np.uint8]:
         return expose(self.optics, radiance, time, pixel_noise(self.site.seed, name, stamp))
