@@ -18,6 +18,7 @@ from sojourn_bringup.child import Child
 from sojourn_bringup.forked import ForkRequest, ForkServer, fork_server_for
 from sojourn_bringup.process_table import process
 from sojourn_config.ros_environment import own_environment
+from sojourn_machine import arithmetic
 
 LONGEST_S = 300.0
 """Wall time of what takes seconds on a machine that does nothing else [s]."""
@@ -84,6 +85,16 @@ def test_each_is_a_process_of_its_own(server: ForkServer, node: Callable[..., Ch
     assert drive.wait(LONGEST_S) and drive.status == 0
 
 
+def test_a_copy_computes_as_a_program_that_starts_by_itself(server: ForkServer, tmp_path: Path) -> None:
+    """With the variables of a user's shell it compiled for this processor, and had other values than anywhere else."""
+    told = f"import os; print([os.environ.get(name) for name in {list(arithmetic.pins())}])"
+    log = tmp_path / "copy.log"
+    request = ForkRequest("timeit", ["-n", "1", "-r", "1", told], str(log), arithmetic.outer(os.environ))
+    copy = server.fork(request)
+    assert copy is not None and copy.wait(LONGEST_S) == 0
+    assert log.read_text().splitlines()[0] == str(list(arithmetic.pins().values()))
+
+
 def test_what_a_node_cannot_read_is_in_its_own_log(node: Callable[..., Child], tmp_path: Path) -> None:
     wrong = node("drive", scenario="no_such_scenario")
     assert wrong.wait(LONGEST_S) and wrong.status not in (0, None)
@@ -147,7 +158,8 @@ print("ended with", *ends)
 """
 SPOKEN = """
 import os, sys
-print(sys.argv[1:], dict(os.environ))
+from sojourn_machine.arithmetic import outer
+print(sys.argv[1:], outer(os.environ))
 sys.exit("that is all")
 """
 

@@ -25,6 +25,7 @@ from setproctitle import setproctitle
 from sojourn_bringup.child_process import die_with
 from sojourn_bringup.forked import LONGEST, ForkRequest, read_request, told_of
 from sojourn_config.collector import settle_collector
+from sojourn_machine.arithmetic import pin
 
 os.environ["SPT_NOENV"] = "1"  # a title is written over the arguments alone, not over the variables
 
@@ -105,6 +106,7 @@ def become(request: ForkRequest) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.clear()
     os.environ.update(request.environment)
+    pin()  # numba looks again before it compiles, and would then do so for this processor, and all kernels anew
     sys.argv = [request.module, *request.arguments]
     if request.title:
         setproctitle(request.title)

@@ -30,8 +30,9 @@ class ForkRequest:
 
     Args:
         module: run as `python -m MODULE`. arguments: of it. log: file that takes what it prints.
-        environment: all its variables. title: its name in `ps`, one word, since the log of ROS has that name, too;
-            empty: as the server's. in_own_session: not only in a group of its own.
+        environment: all its variables but those that pin our arithmetic, which it has anyway.
+        title: its name in `ps`, one word, since the log of ROS has that name, too; empty: as the server's.
+        in_own_session: not only in a group of its own.
     """
 
     module: str
