@@ -32,6 +32,8 @@ from sojourn_stack.stack import PLANT
 
 SCENARIO = "lunar_sample"
 """Has all kinds of ground in it."""
+WITH_HEAT = "lunar_night"
+"""Has light on arrays, and heat of the ground and of the machine, in it."""
 WITH_CAMERAS = "machine=explorer_cameras"
 WITH_LIDAR = (
     "sensors.scanner={kind: lidar, link: navcam_link, columns: 2, rows: 1, horizontal_view_deg: 10.0, "
@@ -49,18 +51,19 @@ def main() -> None:
 
 def drive_plant() -> None:
     """The plant's step, and all laws of contact."""
-    scenario = load_scenario(SCENARIO)
     for kind in (laws.get(name) for laws in (CONTACT_LAWS, FOOT_LAWS) for name in laws.names()):
         if issubclass(kind, ContactLawParams):
             row_entry(kind.law())
-    model, state = build_plant(scenario)
-    step(model, state, zeros_command(len(model.joints.names), len(model.loads)))
+    for name in (WITH_HEAT, SCENARIO):
+        model, state = build_plant(load_scenario(name))
+        step(model, state, zeros_command(len(model.joints.names), len(model.loads)))
     earthwork.warm_up(model.memory, model.terrain, model.grid)
 
 
 def warm_apps() -> None:
     """What the apps of a run call."""
-    for app in make_apps(load_scenario(SCENARIO), [role for role in ROLES if role != PLANT]).values():
+    apps = make_apps(load_scenario(SCENARIO), [role for role in ROLES if role != PLANT])
+    for app in (*apps.values(), *make_apps(load_scenario(WITH_HEAT), ("power",)).values()):
         app.warm_up()
 
 
