@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import seen_ground, with_changes
-from sojourn_physics.imaging.panorama import Eye, Ways, azimuth_of, direction_of, meetings, panorama
+from sojourn_physics.imaging.panorama import Eye, WalkRoom, azimuth_of, direction_of, meetings, panorama
 from sojourn_physics.sensors.hazcam import cast_rays, relief_of
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
@@ -26,7 +26,7 @@ def distances(
     seen = seen_ground(field)
     if memory is not None:
         seen = with_changes(seen, memory)
-    around = panorama(PIXEL, float(rays[:, 2].min()), float(rays[:, 2].max()), Ways())
+    around = panorama(PIXEL, float(rays[:, 2].min()), float(rays[:, 2].max()), WalkRoom())
     found: FloatArray = meetings(seen, Eye(place, 4000.0, fall), around, rays)
     return found
 
@@ -67,12 +67,12 @@ def test_distance_to_a_plane_is_that_of_geometry(height: float, slope_deg: float
 
 def test_what_was_seen_before_in_the_same_memory_changes_nothing() -> None:
     """From other places, by finer and by coarser bins, with other rays: the same to the last bit each time."""
-    seen, ways = seen_ground(rough(3)), Ways()
+    seen, ways = seen_ground(rough(3)), WalkRoom()
     cases = [(0.4, 2e-3, 5), (2.0, 1e-3, 6), (1.0, 4e-3, 7), (0.4, 2e-3, 5)]
     for height, pixel, seed in cases:
         rays, eye = directions(500, seed), Eye(np.array([0.3, -0.2, height]), 4000.0, 0.0)
         limits = float(rays[:, 2].min()), float(rays[:, 2].max())
-        alone = meetings(seen, eye, panorama(pixel, *limits, Ways()), rays)
+        alone = meetings(seen, eye, panorama(pixel, *limits, WalkRoom()), rays)
         assert np.array_equal(meetings(seen, eye, panorama(pixel, *limits, ways), rays), alone)
 
 

@@ -85,7 +85,7 @@ class Panorama(NamedTuple):
     """Room for a part of a walk, (CHUNK,)."""
 
 
-class Ways:
+class WalkRoom:
     """Memory for one panorama after another: new memory comes from the system page by page, which takes a tenth of the
     time of an image.
     """
@@ -100,7 +100,7 @@ class Ways:
         return self._numbers[: rows * columns].reshape(rows, columns)
 
 
-def panorama(resolution: float, lowest: float, highest: float, ways: Ways) -> Panorama:
+def panorama(resolution: float, lowest: float, highest: float, ways: WalkRoom) -> Panorama:
     """An empty one.
 
     Args:

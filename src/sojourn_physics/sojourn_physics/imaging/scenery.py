@@ -20,7 +20,7 @@ from sojourn_physics.imaging.camera import Optics
 from sojourn_physics.imaging.echoes import Sounded, echoes
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
 from sojourn_physics.imaging.lighting import PlacedLens, Scene
-from sojourn_physics.imaging.panorama import Eye, Ways, panorama
+from sojourn_physics.imaging.panorama import Eye, WalkRoom, panorama
 from sojourn_physics.imaging.photometry import Illumination, Look
 from sojourn_physics.imaging.ranging import Beams
 from sojourn_physics.imaging.render import render
@@ -78,7 +78,7 @@ class Scenery:
         self._grain = grain(SLOPE, CONTRAST, field.resolution)
         self._look = Look(place.albedo, 1.0 if place.airless else 0.0)
         self._shadows = lru_cache(maxsize=4)(self._shadows_of)
-        self._ways = defaultdict[int, Ways](Ways)
+        self._ways = defaultdict[int, WalkRoom](WalkRoom)
 
     def see(self, eye: Optics, moment: Moment, turn: FloatArray, places: Sequence[FloatArray]) -> list[Seen]:
         """What cameras that are turned alike see of a moment, all at once.
