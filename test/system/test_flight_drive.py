@@ -2,7 +2,6 @@
 
 import ast
 import math
-import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -50,7 +49,7 @@ def test_it_drives_the_rover(
     replaced = start("start", SHORT_RUN, *options, "--run-dir", run)
     assert replaced.wait() == 0, replaced.text
     assert not replaced.processes()
-    assert not re.search(r"drive \(process \d+\) does not stop", replaced.text), replaced.text
+    assert "does not stop" not in replaced.text
     bag = read_bag(run)
     report, _ = judge_bag(bag)
     # when a message comes in real time is a matter of the host, which may be busy

@@ -221,9 +221,8 @@ def step(
     Raises:
         InvalidValueError: telemetry or dt not a finite number, not one reading a store.
     """
-    before = state.faults
     state, output = decided(params, state, inputs, dt)
-    state = replace(state, faults=_faults(params, before, inputs, output.orders.on, dt))
+    state = replace(state, faults=_faults(params, state.faults, inputs, output.orders.on, dt))
     return state, replace(output, state=state)
 
 
