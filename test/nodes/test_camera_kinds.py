@@ -12,6 +12,7 @@ from sojourn_contract.app import Period
 from sojourn_contract.ground import GROUND, ground_cloud
 from sojourn_contract.hazcam import own_body_of
 from sojourn_contract.run_table import row_named, table_of
+from sojourn_contract.unfinished_image import finished
 from sojourn_contract.values import JointState, Odometry
 from sojourn_machine.sensor_faults import SensorFaultParams
 from sojourn_physics.terrain.memory import GroundMemory
@@ -38,7 +39,7 @@ def pair(*overrides: str) -> tuple[CameraPair, Truth]:
 
 def read(camera: CameraPair, truth: Truth) -> tuple[np.ndarray, ...]:
     _, images = camera.step(camera.initial_state(truth), truth, 0.02)
-    return images
+    return finished(images)
 
 
 def test_readings_are_the_same_for_the_same_seed_and_no_others() -> None:
@@ -82,9 +83,10 @@ def test_a_trench_is_seen_after_it_was_dug() -> None:
     first = int((2.6 - before.origin_x) / side), int((-0.5 - before.origin_y) / side)
     tiles = {(first[0] + i, first[1] + j): tile for i in range(2) for j in range(2)}
     after = GroundMemory(before.cell, before.origin_x, before.origin_y, tiles)
-    level = camera.read(before, truth)[2]
+    level = camera.read(before, truth).finished()[2]
     dug = replace(truth, inputs={**truth.inputs, GROUND.name: ground_cloud(truth.stamp, before, after)})
-    state, (_, _, depth) = camera.step(before, dug, 0.02)
+    state, images = camera.step(before, dug, 0.02)
+    _, _, depth = finished(images)
     assert state.tiles.keys() == after.tiles.keys()
     deeper = depth.astype(float) - level
     assert (deeper[(level > 0) & (depth > 0)] > 150).mean() > 0.02

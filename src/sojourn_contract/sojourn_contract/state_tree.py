@@ -24,6 +24,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from sojourn_contract.errors import ContractError
+from sojourn_contract.unfinished_image import finished
 
 TREE = "state.json"
 OURS = "sojourn_"
@@ -106,6 +107,7 @@ class TreeWriter:
 
     def tree(self, value: Any, place: str) -> Any:
         """A value at a place of the state as plain values."""
+        value = finished(value)
         if value is None or type(value) in PLAIN:
             return value
         for kind, write in self._writers:

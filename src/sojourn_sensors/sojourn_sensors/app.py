@@ -15,6 +15,7 @@ from sojourn_contract.fault_messages import TOPIC
 from sojourn_contract.messages import battery_state, wrench_stamped
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.unfinished_image import finished
 from sojourn_contract.values import JointState, Odometry
 from sojourn_machine.errors import MachineError
 from sojourn_machine.evolution import replace
@@ -75,7 +76,8 @@ class SensorsApp(App[SensorsState]):
         for sensor in self.sensors:
             state = sensor.initial_state(truth)
             for _ in range(2):
-                state, _ = sensor.step(state, truth, stamps.CONTROL_PERIOD_S)
+                state, reading = sensor.step(state, truth, stamps.CONTROL_PERIOD_S)
+                finished(reading)
 
     def initial_state(self) -> SensorsState:
         """Before the first truth."""

@@ -1,5 +1,6 @@
 """The recorder of a run without middleware: the same bag as that of the recorder's node."""
 
+from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from sojourn_contract.stamps import seconds
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
+from sojourn_contract.unfinished_image import UnfinishedImage
 from sojourn_contract.values import Message
 from sojourn_stack.stack import StackState
 
@@ -45,7 +47,8 @@ class DirectRecorder:
     Args:
         folder: the bag; made here. run: that it is of.
 
-    A record that begins within a run counts on from what the recorder of that run had counted.
+    A record that begins within a run counts on from what the recorder of that run had counted. While an image is being
+    made the recorder stays behind with that period and what follows.
 
     Raises:
         BagsError: it cannot be written. ConfigError: the scenario is wrong.
@@ -56,9 +59,22 @@ class DirectRecorder:
         self._counters = counted_by(run.onset.last, run.onset.leaps)
         self._recording = run.open(folder, self._refuse)
         self._now = run.onset.resumed_at
+        self._behind = deque[Sequence[tuple[Topic, Message]]]()
+        """What was said in periods that are not taken yet."""
 
     def take(self, said: Sequence[tuple[Topic, Message]]) -> None:
         """What was said in a period, in its order."""
+        self._behind.append(said)
+        while self._behind and _is_whole(self._behind[0]):
+            self._take_period(self._behind.popleft())
+
+    def finish(self) -> Completeness:
+        """Write what is left and close the bag, with its account."""
+        while self._behind:
+            self._take_period(self._behind.popleft())
+        return self._recording.finish(self._run.record())
+
+    def _take_period(self, said: Sequence[tuple[Topic, Message]]) -> None:
         for row, message in said:
             if row.logged:
                 self._take(row, message)
@@ -72,12 +88,13 @@ class DirectRecorder:
                 self._counters.count_published(TICK)
         self._recording.writer.flush_if_due()
 
-    def finish(self) -> Completeness:
-        """Write what is left and close the bag, with its account."""
-        return self._recording.finish(self._run.record())
-
     def _take(self, row: Topic, message: Message) -> None:
         self._recording.take(row, message.stamp, encode(row, message))
 
     def _refuse(self, name: str, refusal: Exception) -> None:
         self._counters.count_refused(name, str(refusal))
+
+
+def _is_whole(said: Sequence[tuple[Topic, Message]]) -> bool:
+    """Whether nothing that was said is still being made."""
+    return all(message.is_finished for _, message in said if isinstance(message, UnfinishedImage))

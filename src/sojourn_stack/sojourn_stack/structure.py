@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from sojourn_contract.unfinished_image import finished
+
 
 def difference(one: Any, other: Any, place: str) -> str:
     """The first difference in structure of two values at a place of the state, in words; empty where there is none."""
+    one, other = finished(one), finished(other)
     if type(one) is not type(other):
         return f"{place}: a {type(one).__name__} in the one, a {type(other).__name__} in the other"
     if isinstance(one, np.ndarray):

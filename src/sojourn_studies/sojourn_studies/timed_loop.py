@@ -6,6 +6,7 @@ from pathlib import Path
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topics import ROLES
+from sojourn_contract.unfinished import finish_all
 from sojourn_operator.scenario_steps import absent_roles
 from sojourn_stack.run import RunSpec, begun
 
@@ -19,10 +20,16 @@ class TimedLoop:
     Args:
         name, overrides: of the scenario. clock: what counts, as `time.process_time` [s].
         bag: folder that a recorder writes; None: the run has no recorder.
+        ahead: periods before the first turn.
     """
 
     def __init__(
-        self, name: str, overrides: Sequence[str], clock: Callable[[], float], bag: Path | None = None
+        self,
+        name: str,
+        overrides: Sequence[str],
+        clock: Callable[[], float],
+        bag: Path | None = None,
+        ahead: int = 0,
     ) -> None:
         scenario = load_scenario(name, overrides)
         absent = (*absent_roles(scenario), "recorder") if bag is None else absent_roles(scenario)
@@ -32,16 +39,25 @@ class TimedLoop:
         self._stack, self._state, said, self._recorder = begun(spec)
         if self._recorder is not None:
             self._recorder.take(said)
+        self._go_on(ahead, "")
 
     def turn(self, awaited: str = "") -> tuple[float, bool]:
-        """Another second: what it took [s], and whether something was said in it on an awaited topic."""
-        heard, begin = False, self._clock()
-        for _ in range(TURN):
+        """Another second: what it took [s], until all is made that was begun in it, and whether something was said in
+        it on an awaited topic.
+        """
+        begin = self._clock()
+        heard = self._go_on(TURN, awaited)
+        finish_all()
+        return self._clock() - begin, heard
+
+    def _go_on(self, periods: int, awaited: str) -> bool:
+        heard = False
+        for _ in range(periods):
             self._state, said = self._stack.step(self._state)
             if self._recorder is not None:
                 self._recorder.take(said)
             heard = heard or any(row.name == awaited for row, _ in said)
-        return self._clock() - begin, heard
+        return heard
 
     def end(self) -> None:
         """Close the bag."""

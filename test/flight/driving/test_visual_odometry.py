@@ -65,7 +65,7 @@ class Scene:
         return self.seen(truth)
 
     def seen(self, truth: Truth) -> StereoImages:
-        left, right, _ = self._camera.read(self._camera.initial_state(truth), truth)
+        left, right, _ = self._camera.read(self._camera.initial_state(truth), truth).finished()
         return StereoImages(left, right, self.pair)
 
 

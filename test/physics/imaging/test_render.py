@@ -1,6 +1,7 @@
 """Images: what is where, and two ways of finding how far it is."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import cv2
 import numpy as np
@@ -163,7 +164,10 @@ def test_cameras_that_look_at_once_see_what_each_would_alone() -> None:
     places = [ABOVE, ABOVE + 0.2 * turn[:, 0], ABOVE + 0.4 * turn[:, 0]]
     scene = Shooting(field, light)
     moment = Moment(scene.sun, scene.light, scene.memory, scene.body)
-    together = scene.scenery.see(eye, moment, turn, places)
+    with ThreadPoolExecutor(len(places)) as threads:
+        together = scene.scenery.see(
+            eye, moment, turn, places, lambda looks: list(threads.map(lambda look: look(), looks))
+        )
     for place, seen in zip(places, together, strict=True):
         alone = Shooting(field, light).see(eye, turn, place)
         assert np.array_equal(seen[0], alone[0]) and np.array_equal(seen[1], alone[1])

@@ -8,6 +8,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from threading import Lock
 from typing import TypeAlias
 
 import numpy as np
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 
 from sojourn_machine.params import FloatArray
 from sojourn_machine.shapes import ALBEDO, Shapes
-from sojourn_physics.imaging.at_once import at_once
 from sojourn_physics.imaging.camera import Optics
 from sojourn_physics.imaging.echoes import Sounded, echoes
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
@@ -67,8 +67,13 @@ class Moment:
     """The machine's shapes in map."""
 
 
+def in_turn(calls: Sequence[Callable[[], Seen]]) -> list[Seen]:
+    """What calls return that are made one after another."""
+    return [call() for call in calls]
+
+
 class Scenery:
-    """The ground of a scenario, as cameras see it."""
+    """The ground of a scenario, as cameras see it. More than one thread may ask: one waits for the other."""
 
     def __init__(self, field: HeightField, place: GroundLook) -> None:
         self._ground = seen_ground(field)
@@ -79,12 +84,22 @@ class Scenery:
         self._look = Look(place.albedo, 1.0 if place.airless else 0.0)
         self._shadows = lru_cache(maxsize=4)(self._shadows_of)
         self._ways = defaultdict[int, WalkRoom](WalkRoom)
+        self._in_use = Lock()
+        """Of all that is kept."""
 
-    def see(self, eye: Optics, moment: Moment, turn: FloatArray, places: Sequence[FloatArray]) -> list[Seen]:
-        """What cameras that are turned alike see of a moment, all at once.
+    def see(
+        self,
+        eye: Optics,
+        moment: Moment,
+        turn: FloatArray,
+        places: Sequence[FloatArray],
+        all_of: Callable[[Sequence[Callable[[], Seen]]], list[Seen]] = in_turn,
+    ) -> list[Seen]:
+        """What cameras that are turned alike see of a moment.
 
         Args:
             turn: from the optical frame into map, (3, 3). places: of the cameras in map, each (3,) [m].
+            all_of: makes calls that share nothing, and returns what they do in their order.
         """
         rises = eye.rays @ turn[2].astype(np.float32)
         lowest, highest = float(rises.min()), float(rises.max())
@@ -96,7 +111,8 @@ class Scenery:
             scene = self._scene(moment, number)
             return lambda: render(scene, view, at, around)
 
-        return at_once([looking_from(number) for number in range(len(places))])
+        with self._in_use:
+            return all_of([looking_from(number) for number in range(len(places))])
 
     def sound(
         self, beams: Beams, memory: GroundMemory, body: Shapes, turn: FloatArray, place: FloatArray
@@ -107,12 +123,13 @@ class Scenery:
             memory, body: see `Moment`. turn: from the beams' frame into map, (3, 3). place: in map, (3,) [m].
         """
         rays = np.ascontiguousarray(beams.directions @ turn.T)
-        around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()), self._ways[0])
         eye = Eye(np.array(place, dtype=np.float64), min(beams.reach, FARTHEST), 0.5 / self._place.radius)
-        met = Sounded(self._now(memory), self._soils, self._place.albedo, body)
-        if beams.reflectance is not None:
-            met = _as_bright(met, beams.reflectance)
-        found: tuple[FloatArray, FloatArray] = echoes(met, rays, eye, around)
+        with self._in_use:
+            around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()), self._ways[0])
+            met = Sounded(self._now(memory), self._soils, self._place.albedo, body)
+            if beams.reflectance is not None:
+                met = _as_bright(met, beams.reflectance)
+            found: tuple[FloatArray, FloatArray] = echoes(met, rays, eye, around)
         return found
 
     @property
@@ -122,7 +139,9 @@ class Scenery:
 
     def way_ahead(self, places: FloatArray, ahead: FloatArray, memory: GroundMemory, farthest: float) -> float:
         """Shortest way to the ground [m], as `touch.way_ahead`."""
-        return float(way_ahead(self._now(memory), np.ascontiguousarray(places), np.array(ahead), farthest))
+        with self._in_use:
+            now = self._now(memory)
+        return float(way_ahead(now, np.ascontiguousarray(places), np.array(ahead), farthest))
 
     def _scene(self, moment: Moment, number: int) -> Scene:
         """Of a moment, for one of the cameras that look at once."""

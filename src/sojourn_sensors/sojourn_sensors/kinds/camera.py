@@ -5,15 +5,17 @@ of that link (z ahead, x right, y down; REP 103), `LINK_optical`. The right came
 right of the left one; as ROS has it for a rectified pair both are in the frame of the left one and the right one's
 projection has the baseline. A camera without power says an image of no size.
 
+Another thread makes the images of a moment while the run goes on; whoever asks for their pixels waits for them.
+
 Dust on a lens stays where it is. It is far out of focus: behind a grain there is a soft patch, grey with light of the
 whole scene that it scatters, and darker than that. A pair finds no depth where a grain hides the place from one of its
 lenses.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +23,12 @@ from pydantic import Field
 
 from sojourn_contract import stamps
 from sojourn_contract.topic_types import FieldRule, Topic
+from sojourn_contract.unfinished import Unfinished, begun, shared
+from sojourn_contract.unfinished_image import UnfinishedImage, finished
 from sojourn_contract.values import CameraInfo, Image
 from sojourn_machine.chance import mixed
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_faults import SensorFaultParams
-from sojourn_physics.imaging.at_once import at_once
 from sojourn_physics.imaging.camera import (
     LINK_TO_OPTICAL,
     DetectorParams,
@@ -48,6 +51,10 @@ EVERY = 50
 """Control periods from image to image."""
 GREY = 0.5
 """Of the mean number of an image, what is behind dust: an estimate [-]."""
+MONO, DEPTHS = "mono8", "16UC1"
+BYTES = {MONO: 1, DEPTHS: 2}
+"""Of a pixel."""
+Images: TypeAlias = tuple[NDArray[Any], ...]
 SOFT = 0.25
 """Spread of the edge of a grain's patch, of the width of a grain: an estimate [-]."""
 
@@ -128,43 +135,54 @@ class Shot:
     """Of exposure [s]."""
 
 
-class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
-    """Its reading are its images."""
+class Camera(SeeingSensor[CameraSensorParams, Unfinished[Images] | Images]):
+    """Its reading are its images; those of a checkpoint, or behind dust, are whole."""
 
     every: ClassVar[int] = EVERY
+    encodings: ClassVar[tuple[str, ...]] = (MONO,)
+    """Of its images."""
 
     def __init__(self, name: str, params: CameraSensorParams, site: SensorSite) -> None:
         super().__init__(name, params, site)
         self.optics: Optics = optics(params.lens, params.detector)
         self._grains = lru_cache(maxsize=4)(self._grains_of)  # they stay where they are
 
-    def read(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
-        (shot,) = self.shoot(ground, truth, {self.name: 0.0})
-        return (shot.image,)
+    def read(self, ground: GroundMemory, truth: Truth) -> Unfinished[Images]:
+        return begun(self.view(ground, truth))
 
-    def shoot(self, ground: GroundMemory, truth: Truth, aside: Mapping[str, float]) -> list[Shot]:
-        """Images from places so far to the right of the link [m], all with the exposure of the first, by the name of
-        their noise.
+    def view(self, ground: GroundMemory, truth: Truth) -> Callable[[], Images]:
+        """Of the truth, over ground to which so much has been done: makes the images, in whatever thread calls it."""
+        shots = self.shots(ground, truth, {self.name: 0.0})
+        return lambda: tuple(shot.image for shot in shots())
+
+    def shots(self, ground: GroundMemory, truth: Truth, aside: Mapping[str, float]) -> Callable[[], list[Shot]]:
+        """From places so far to the right of the link [m], all with the exposure of the first, by the name of their
+        noise; made when it is called.
         """
-        here = self.outlook(truth)
-        turn, place = here.turn @ LINK_TO_OPTICAL, here.place
-        moment = self.site.scene.moment(truth.stamp, place, ground, here.body)
-        seen = self.site.scene.scenery.see(self.optics, moment, turn, [place + x * turn[:, 0] for x in aside.values()])
-        time = exposure_for(self.optics, seen[0][0])
-        exposed = [
-            partial(self._exposed, name, truth.stamp, radiance, time)
-            for name, (radiance, _) in zip(aside, seen, strict=True)
-        ]
-        return [Shot(image, *both, time) for image, both in zip(at_once(exposed), seen, strict=True)]
+        here, scene = self.outlook(truth), self.site.scene
+        turn, place, stamp = here.turn @ LINK_TO_OPTICAL, here.place, truth.stamp
+        moment = scene.moment(stamp, place, ground, here.body)
+
+        def made() -> list[Shot]:
+            places = [place + x * turn[:, 0] for x in aside.values()]
+            seen = scene.scenery.see(self.optics, moment, turn, places, shared)
+            time = exposure_for(self.optics, seen[0][0])
+            exposed = [
+                partial(self._exposed, name, stamp, radiance, time)
+                for name, (radiance, _) in zip(aside, seen, strict=True)
+            ]
+            return [Shot(image, *both, time) for image, both in zip(shared(exposed), seen, strict=True)]
+
+        return made
 
     def _exposed(self, name: str, stamp: int, radiance: NDArray[np.float32], time: float) -> NDArray[np.uint8]:
         return expose(self.optics, radiance, time, pixel_noise(self.site.seed, name, stamp))
 
-    def faulted(self, reading: tuple[NDArray[Any], ...], fault: FaultNow) -> tuple[NDArray[Any], ...]:
+    def faulted(self, reading: Unfinished[Images] | Images, fault: FaultNow) -> Unfinished[Images] | Images:
         """Dust on the lens; an image has no numbers that other faults change."""
         if fault.params.dust == 0.0:
-            return super().faulted(reading, fault)
-        (image,) = reading
+            return super().faulted(finished(reading), fault)
+        (image,) = finished(reading)
         return (self._behind(image, self.cover(fault)),)
 
     def cover(self, fault: FaultNow) -> NDArray[np.float32]:
@@ -185,17 +203,20 @@ class Camera(SeeingSensor[CameraSensorParams, tuple[NDArray[Any], ...]]):
         """What of an image is seen behind dust."""
         return np.asarray(np.rint(image + cover * (GREY * image.mean() - image)), dtype=np.uint8)
 
-    def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
+    def messages(self, stamp: int, reading: Unfinished[Images] | Images | None) -> Iterator[tuple[str, Any]]:
         image, info = self.rows
-        yield image.name, self.image(stamp, None if reading is None else reading[0])
+        yield image.name, self.image(stamp, reading, 0)
         yield info.name, self.info(stamp, 0.0)
 
-    def image(self, stamp: int, image: NDArray[Any] | None) -> Image:
-        """The message of an image, of no size for None."""
-        pixels: NDArray[Any] = np.zeros((0, 0), dtype=np.uint8) if image is None else image
-        encoding = "16UC1" if pixels.dtype == np.uint16 else "mono8"
-        rows, columns = pixels.shape
-        return Image(stamp, self._frame, rows, columns, encoding, columns * pixels.itemsize, pixels.tobytes())
+    def image(self, stamp: int, reading: Unfinished[Images] | Images | None, place: int) -> Image:
+        """The message of one of the images of a reading, of no size without power."""
+        lens, encoding = self.params.lens, self.encodings[place]
+        if reading is None:
+            return Image(stamp, self._frame, 0, 0, MONO, 0, b"")
+        head = (stamp, self._frame, lens.rows, lens.columns, encoding, lens.columns * BYTES[encoding])
+        if isinstance(reading, Unfinished):
+            return UnfinishedImage(*head, reading.then(lambda images: images[place].tobytes()))  # type: ignore[arg-type]
+        return Image(*head, reading[place].tobytes())
 
     def info(self, stamp: int, baseline: float) -> CameraInfo:
         """The message of the lens, of a camera so far to the right [m]."""
@@ -217,18 +238,25 @@ class CameraPair(Camera):
 
     params: StereoCameraSensorParams
 
-    def read(self, ground: GroundMemory, truth: Truth) -> tuple[NDArray[Any], ...]:
-        pair = self.params.stereo
-        left, right = self.shoot(ground, truth, {self.name: 0.0, f"{self.name}.right": pair.baseline})
-        noise = pixel_noise(self.site.seed, f"{self.name}.depth", truth.stamp)
-        depth = stereo_depth(self.optics, pair, (left.radiance, left.distance), left.time, noise)
-        return left.image, right.image, depth
+    encodings: ClassVar[tuple[str, ...]] = (MONO, MONO, DEPTHS)
 
-    def faulted(self, reading: tuple[NDArray[Any], ...], fault: FaultNow) -> tuple[NDArray[Any], ...]:
+    def view(self, ground: GroundMemory, truth: Truth) -> Callable[[], Images]:
+        pair, stamp = self.params.stereo, truth.stamp
+        shots = self.shots(ground, truth, {self.name: 0.0, f"{self.name}.right": pair.baseline})
+
+        def made() -> Images:
+            left, right = shots()
+            noise = pixel_noise(self.site.seed, f"{self.name}.depth", stamp)
+            depth = stereo_depth(self.optics, pair, (left.radiance, left.distance), left.time, noise)
+            return left.image, right.image, depth
+
+        return made
+
+    def faulted(self, reading: Unfinished[Images] | Images, fault: FaultNow) -> Unfinished[Images] | Images:
         """Dust on both lenses, on each in other places; where it hides a place from one there is no depth."""
         if fault.params.dust == 0.0:
             return super().faulted(reading, fault)
-        left, right, depth = reading
+        left, right, depth = finished(reading)
         on_left, on_right = self.cover(fault), self.cover(replace(fault, stream=mixed(fault.stream)))
         rows, columns = np.nonzero(depth)
         scale = 1000.0 * self.params.lens.focal_length * self.params.stereo.baseline
@@ -238,10 +266,9 @@ class CameraPair(Camera):
         depth[rows[hidden], columns[hidden]] = 0
         return self._behind(left, on_left), self._behind(right, on_right), depth
 
-    def messages(self, stamp: int, reading: tuple[NDArray[Any], ...] | None) -> Iterator[tuple[str, Any]]:
+    def messages(self, stamp: int, reading: Unfinished[Images] | Images | None) -> Iterator[tuple[str, Any]]:
         left, left_info, right, right_info, depth = self.rows
-        images = (None, None, None) if reading is None else reading
-        for row, image in zip((left, right, depth), images, strict=True):
-            yield row.name, self.image(stamp, image)
+        for place, row in enumerate((left, right, depth)):
+            yield row.name, self.image(stamp, reading, place)
         yield left_info.name, self.info(stamp, 0.0)
         yield right_info.name, self.info(stamp, self.params.stereo.baseline)

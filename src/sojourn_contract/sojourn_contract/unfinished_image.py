@@ -1,0 +1,47 @@
+"""Images that are told before they are made."""
+
+from typing import Any, cast
+
+from sojourn_contract.unfinished import Unfinished
+from sojourn_contract.values import Image
+
+
+class UnfinishedImage(Image):
+    """An image of which all is known but its pixels: `data` waits for them."""
+
+    __slots__ = ()
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether its pixels are there."""
+        return self._pixels.is_finished
+
+    @property
+    def data(self) -> bytes:
+        """Its pixels."""
+        return self._pixels.finished()
+
+    def finished(self) -> Image:
+        """The same as an image like any other."""
+        return Image(*(getattr(self, name) for name in self._fields))
+
+    @property
+    def _pixels(self) -> Unfinished[bytes]:
+        return cast("Unfinished[bytes]", super().__getitem__(_DATA))
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.finished() == finished(other))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash(self.finished())
+
+
+_DATA = Image._fields.index("data")
+
+
+def finished(value: Any) -> Any:
+    """A value, whole; any other is that already."""
+    return value.finished() if isinstance(value, Unfinished | UnfinishedImage) else value
