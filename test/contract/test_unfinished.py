@@ -2,17 +2,21 @@
 
 import io
 import os
+import pickle
+import signal
 import threading
 
 import pytest
 
 from sojourn_contract import unfinished
 from sojourn_contract.codecs import encode
+from sojourn_contract.corruption import bits_of, with_bit_flipped
 from sojourn_contract.run_table import row_named
 from sojourn_contract.state_tree import TreeWriter, read_tree
 from sojourn_contract.unfinished import MOST, begun, finish_all, shared
 from sojourn_contract.unfinished_image import UnfinishedImage, finished
 from sojourn_contract.values import Image
+from sojourn_operator.link.length import bits
 
 HERE, LONG = threading.current_thread, 60.0
 
@@ -103,14 +107,54 @@ def test_a_part_that_fails_is_told_when_all_have_ended(place: int) -> None:
     assert ended.is_set()
 
 
+def test_who_is_interrupted_leaves_his_part_to_others() -> None:
+    """What had been interrupted was the image's, and the operator's Ctrl-C was not heard."""
+    interrupted = threading.Event()
+
+    def first() -> None:
+        assert interrupted.wait(LONG)
+
+    def second() -> threading.Thread:
+        if not interrupted.is_set():
+            interrupted.set()
+            raise KeyboardInterrupt
+        return HERE()
+
+    def make() -> threading.Thread:
+        return shared([first, second])[1]  # type: ignore[return-value,list-item]
+
+    thing = begun(make)
+    with pytest.raises(KeyboardInterrupt):
+        finish_all()
+    assert thing.finished() is not None and not unfinished._offered
+
+
 def test_a_copy_of_the_process_makes_things_of_its_own() -> None:
     """It has no other thread than the one that has copied itself, and no lock that another held."""
     before = begun(HERE)
     pid = os.fork()
     if pid == 0:
+        signal.alarm(int(LONG))
         os._exit(0 if before.is_finished and begun(lambda: 5).finished() == 5 else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
     assert begun(lambda: 6).finished() == 6 and not unfinished._offered
+
+
+def test_no_copy_is_made_while_the_other_thread_has_the_lock(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The copy would wait for a thread that it has not."""
+    notify = threading.Condition.notify_all
+
+    def slowly(condition: threading.Condition) -> None:
+        threading.Event().wait(0.05)  # with the lock
+        notify(condition)
+
+    monkeypatch.setattr(unfinished._changed, "notify_all", lambda: slowly(unfinished._changed))
+    begun(HERE)
+    pid = os.fork()
+    if pid == 0:
+        signal.alarm(int(LONG))
+        os._exit(0 if begun(lambda: 5).finished() == 5 else 1)
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 0
 
 
 def unfinished_image(pixels: bytes, after: threading.Event) -> UnfinishedImage:
@@ -141,6 +185,10 @@ def test_an_unfinished_image_is_what_a_finished_one_is() -> None:
     assert row is not None and encode(row, image) == encode(row, same)
     assert image == same and same == image and hash(image) == hash(same)
     assert image != same._replace(data=b"abcdeg") and type(finished(image)) is Image
+    assert tuple(image) == tuple(same) and image[-2:] == same[-2:] and pickle.loads(pickle.dumps(image)) == same
+    assert image._replace(data=b"ghijkl") == same._replace(data=b"ghijkl")
+    assert bits_of(image) == bits_of(same) and bits(image) == bits(same)
+    assert with_bit_flipped(finished(image), bits_of(image) - 1).data == b"abcde\xe6"
 
 
 def test_a_checkpoint_has_things_as_they_are_when_they_are_finished() -> None:

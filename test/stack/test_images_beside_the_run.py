@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from mcap.reader import make_reader
 
+from sojourn_bags.completeness import RECORD
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.codecs import encode
 from sojourn_contract.topics import ROLES
@@ -82,6 +83,27 @@ def test_the_bag_is_that_of_a_run_that_waits_for_each_image(tmp_path: Path, monk
     images = [data for topic, *_, data in one if topic.endswith("/image")]
     assert len(images) >= 4 and len(set(images)) == len(images)
     assert one == other
+
+
+def test_a_bag_has_its_account_where_no_image_could_be_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The recorder is behind with both when the first is found out."""
+    begin, may_end = camera.begun, threading.Event()
+
+    def fails() -> Any:
+        assert may_end.wait(60.0)
+        raise RuntimeError("no light")
+
+    stack, state, recorder = run(tmp_path / "bag")
+    monkeypatch.setattr(camera, "begun", lambda make: begin(fails))
+    for _ in range(PERIODS):
+        state, said = stack.step(state)
+        recorder.take(said)
+    may_end.set()
+    with pytest.raises(RuntimeError, match="no light"):
+        recorder.finish()
+    (file,) = (tmp_path / "bag").glob("*.mcap")
+    with file.open("rb") as stream:
+        assert RECORD in [record.name for record in make_reader(stream).iter_metadata()]
 
 
 def test_a_checkpoint_waits_for_what_is_unfinished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

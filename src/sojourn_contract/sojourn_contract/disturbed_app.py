@@ -20,6 +20,7 @@ from sojourn_contract.kept_data import KEEP_EVERY_NS, Kept
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
+from sojourn_contract.unfinished_image import finished
 from sojourn_contract.values import Message
 from sojourn_machine.chance import chance
 from sojourn_machine.disturbance import Disturbance
@@ -174,6 +175,7 @@ class DisturbedApp(App[DisturbedState[Any]]):
 
     def _corrupted(self, row: Topic, message: Message, by: Disturbance, refusals: list[Refusal]) -> Message:
         """With a bit that is another, as it is read; None where that is refused."""
+        message = finished(message)
         bit = int(chance(by.stream, BIT, message.stamp // CONTROL_PERIOD_NS) * bits_of(message))
         try:
             read = with_bit_flipped(message, bit)

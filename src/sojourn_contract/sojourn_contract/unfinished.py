@@ -12,7 +12,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import cache, cached_property
+from functools import cache
 from threading import Condition
 from typing import Any, Generic, TypeVar
 
@@ -31,6 +31,8 @@ class Unfinished(Generic[Whole]):
 
     def __init__(self, work: Future[Any], change: Callable[[Any], Whole]) -> None:
         self._work, self._change = work, change
+        self._whole: list[Whole] = []
+        """It, once somebody has asked for it."""
 
     @property
     def is_finished(self) -> bool:
@@ -39,25 +41,23 @@ class Unfinished(Generic[Whole]):
 
     def finished(self) -> Whole:
         """It, whole. Raises what making it has raised."""
-        return self._whole
+        if not self._whole:
+            _help_until(self._work.done)
+            self._whole.append(self._change(self._work.result()))
+        return self._whole[0]
 
     def then(self, change: Callable[[Whole], Made]) -> "Unfinished[Made]":
         """What is made of it."""
-        return Unfinished(self._work, lambda _: change(self._whole))
-
-    @cached_property
-    def _whole(self) -> Whole:
-        _help_until_done(self._work)
-        return self._change(self._work.result())
+        return Unfinished(self._work, lambda _: change(self.finished()))
 
 
 def begun(make: Callable[[], Whole]) -> Unfinished[Whole]:
     """What `make` returns, once the other thread has called it."""
-    while len(_under_way) >= MOST:
-        _help_until_done(_under_way.popleft())
+    _finish_all_but(MOST - 1)
     work = _maker().submit(make)
     work.add_done_callback(_tell)
-    _under_way.append(work)
+    with _changed:
+        _under_way.append(work)
     return Unfinished(work, _itself)
 
 
@@ -69,49 +69,87 @@ def shared(calls: Sequence[Callable[[], Made]]) -> list[Made]:
     """
     parts = [_Part(call) for call in calls]
     with _changed:
-        _offered.extend(parts[1:])
+        _offered.extend(parts)
         _changed.notify_all()
-    parts[0].make()
-    for part in parts[1:]:
-        with _changed:
-            is_ours = part in _offered
-            if is_ours:
-                _offered.remove(part)
-        if is_ours:
-            part.make()
-    for part in parts:
-        part.made.exception()  # waits
-    return [part.made.result() for part in parts]
+    try:
+        _help_until(lambda: all(part.is_made for part in parts), parts)
+    finally:
+        with _changed:  # nobody is to begin one once the others are given up
+            _withdraw(parts)
+    return [part.result() for part in parts]
 
 
 def finish_all() -> None:
     """Wait until nothing is being made."""
-    while _under_way:
-        _help_until_done(_under_way.popleft())
+    _finish_all_but(0)
 
 
 class _Part:
-    """A call that whoever has time may make, once."""
+    """A call that whoever has time makes, once."""
 
     def __init__(self, call: Callable[[], Any]) -> None:
         self._call = call
-        self.made = Future[Any]()
+        self._result: Any = None
+        self._error: Exception | None = None
+        self.is_made = False
 
     def make(self) -> None:
         try:
-            self.made.set_result(self._call())
-        except BaseException as error:
-            self.made.set_exception(error)
-
-
-def _help_until_done(work: Future[Any]) -> None:
-    """Make parts that are offered, as long as a work is not done."""
-    while not work.done():
+            self._result = self._call()
+        except Exception as error:
+            self._error = error
         with _changed:
-            _changed.wait_for(lambda: _offered or work.done())
-            part = _offered.popleft() if _offered else None
-        if part is not None:
-            part.make()
+            self.is_made = True
+            _changed.notify_all()
+
+    def result(self) -> Any:
+        """What the call has returned; raises what it has raised."""
+        if self._error is not None:
+            raise self._error
+        return self._result
+
+
+def _help_until(is_done: Callable[[], bool], ours: Sequence[_Part] | None = None) -> None:
+    """Wait, and make parts that are offered meanwhile, of `ours` or all. One that is interrupted is offered again."""
+    while not is_done():
+        part = None
+        try:
+            with _changed:
+                _changed.wait_for(lambda: is_done() or _next(ours) is not None)
+                part = _next(ours)
+                if part is not None:
+                    _withdraw([part])
+            if part is not None:
+                part.make()
+        except BaseException:
+            with _changed:
+                if part is not None and not part.is_made and part not in _offered:
+                    _offered.append(part)
+                    _changed.notify_all()
+            raise
+
+
+def _next(ours: Sequence[_Part] | None) -> "_Part | None":
+    """The first that is offered, of `ours` or all."""
+    return next((part for part in _offered if ours is None or part in ours), None)
+
+
+def _withdraw(parts: Sequence[_Part]) -> None:
+    """Offer these no more."""
+    for part in parts:
+        if part in _offered:
+            _offered.remove(part)
+
+
+def _finish_all_but(count: int) -> None:
+    """Wait for the oldest until only so many are left."""
+    while (oldest := _oldest_beyond(count)) is not None:
+        _help_until(oldest.done)
+
+
+def _oldest_beyond(count: int) -> Future[Any] | None:
+    with _changed:
+        return _under_way.popleft() if len(_under_way) > count else None
 
 
 def _tell(_: Future[Any]) -> None:
@@ -124,11 +162,11 @@ def _itself(value: Whole) -> Whole:
     return value
 
 
+_changed = Condition()
+"""Of what is offered, and of what is done; its lock is that of the lists."""
 _under_way = deque[Future[Any]]()
 _offered = deque[_Part]()
 """Parts that nobody makes yet."""
-_changed = Condition()
-"""Of what is offered, and of what is done."""
 
 
 @cache
@@ -136,5 +174,15 @@ def _maker() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(1, thread_name_prefix="unfinished")
 
 
-# A copy of this process has none of its threads: what is under way is finished before it, and its own thread is new.
-os.register_at_fork(before=finish_all, after_in_child=_maker.cache_clear)
+def _before_fork() -> None:
+    """A copy of this process has none of its threads: what is under way is finished, and none of them has the lock."""
+    finish_all()
+    _changed.acquire()
+
+
+def _in_copy() -> None:
+    _changed.release()
+    _maker.cache_clear()
+
+
+os.register_at_fork(before=_before_fork, after_in_parent=_changed.release, after_in_child=_in_copy)

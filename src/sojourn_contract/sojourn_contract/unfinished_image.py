@@ -1,5 +1,6 @@
 """Images that are told before they are made."""
 
+from collections.abc import Iterator
 from typing import Any, cast
 
 from sojourn_contract.unfinished import Unfinished
@@ -7,7 +8,7 @@ from sojourn_contract.values import Image
 
 
 class UnfinishedImage(Image):
-    """An image of which all is known but its pixels: `data` waits for them."""
+    """An image of which all is known but its pixels: whoever takes it to pieces waits for them."""
 
     __slots__ = ()
 
@@ -24,6 +25,19 @@ class UnfinishedImage(Image):
     def finished(self) -> Image:
         """The same as an image like any other."""
         return Image(*(getattr(self, name) for name in self._fields))
+
+    def _replace(self, /, **fields: Any) -> Image:  # type: ignore[override]
+        parts = dict(zip(self._fields, super().__iter__(), strict=True)) | fields
+        return Image(**parts) if "data" in fields else UnfinishedImage(**parts)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.finished())
+
+    def __getitem__(self, place: Any) -> Any:
+        return self.finished()[place]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Image, tuple(self)
 
     @property
     def _pixels(self) -> Unfinished[bytes]:

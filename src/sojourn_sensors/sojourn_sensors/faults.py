@@ -7,6 +7,7 @@ from sojourn_config.errors import ConfigError
 from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.fault_messages import TOPIC, read_fault
+from sojourn_contract.unfinished_image import finished
 from sojourn_machine.evolution import replace
 from sojourn_machine.names import names_text
 from sojourn_machine.sensor_fault import SensorFault
@@ -84,4 +85,4 @@ class SensorFaults:
     def _check(self, name: str, faults: Mapping[str, SensorFaultParams]) -> None:
         sensor, truth = self._sensors[name], self._at_rest()
         reading = sensor.step(sensor.initial_state(truth), truth, stamps.CONTROL_PERIOD_S)[1]
-        self.hooks[name].check(faults, reading)
+        self.hooks[name].check(faults, finished(reading))

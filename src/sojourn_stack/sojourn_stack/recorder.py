@@ -70,9 +70,12 @@ class DirectRecorder:
 
     def finish(self) -> Completeness:
         """Write what is left and close the bag, with its account."""
-        while self._behind:
-            self._take_period(self._behind.popleft())
-        return self._recording.finish(self._run.record())
+        try:
+            while self._behind:
+                self._take_period(self._behind.popleft())
+        finally:
+            completeness = self._recording.finish(self._run.record())
+        return completeness
 
     def _take_period(self, said: Sequence[tuple[Topic, Message]]) -> None:
         for row, message in said:

@@ -1,6 +1,7 @@
 """Images: what is where, and two ways of finding how far it is."""
 
 import math
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import cv2
@@ -16,7 +17,8 @@ from sojourn_physics.imaging.camera import StereoParams, expose, exposure_for, s
 from sojourn_physics.imaging.lens import project
 from sojourn_physics.imaging.photometry import Illumination
 from sojourn_physics.imaging.pixel_noise import pixel_noise
-from sojourn_physics.imaging.scenery import GroundLook, Moment
+from sojourn_physics.imaging.ranging import LidarParams, beams_of
+from sojourn_physics.imaging.scenery import GroundLook, Moment, Seen
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_physics.terrain.memory_tiles import CHANNELS, DUG, TILE
@@ -171,6 +173,24 @@ def test_cameras_that_look_at_once_see_what_each_would_alone() -> None:
     for place, seen in zip(places, together, strict=True):
         alone = Shooting(field, light).see(eye, turn, place)
         assert np.array_equal(seen[0], alone[0]) and np.array_equal(seen[1], alone[1])
+
+
+def test_what_needs_no_light_does_not_wait_for_who_looks() -> None:
+    """It is asked within a look here, which would else not end."""
+    field, light = rough(7), sun(12.0, 40.0)
+    eye, turn = camera(), looking(40.0, 20.0)
+    scene = Shooting(field, light)
+    moment = Moment(scene.sun, scene.light, scene.memory, scene.body)
+    all_round = {"columns": 90, "rows": 4, "horizontal_view_deg": 360.0, "vertical_view_deg": 60.0}
+    beams = beams_of(LidarParams.model_validate(all_round | {"nearest": 0.1, "range": 50.0, "noise": 0.0}))
+
+    def meanwhile(looks: Sequence[Callable[[], Seen]]) -> list[Seen]:
+        distance, _ = scene.scenery.sound(beams, scene.memory, scene.body, np.eye(3), ABOVE)
+        assert np.isfinite(distance).any()
+        assert scene.scenery.way_ahead(ABOVE[None, :], np.array([0.0, 0.0, -1.0]), scene.memory, 9.0) > 0.0
+        return [look() for look in looks]
+
+    scene.scenery.see(eye, moment, turn, [ABOVE], meanwhile)
 
 
 def test_depth_of_the_pair_has_the_error_of_its_model() -> None:

@@ -37,6 +37,8 @@ BIN = 1.2
 """Bins of a panorama, in pixels [-]."""
 SLOPE, CONTRAST = 0.05, 0.04
 """Of the grain, for each octave: estimates that look like the pictures of Surveyor and the Mars Exploration Rovers."""
+SOUND = -1
+"""Of the walks of what needs no light; those of cameras that look at once have numbers from 0 on."""
 FARTHEST = 5000.0
 """Ground that is looked for at most [m]."""
 
@@ -73,7 +75,10 @@ def in_turn(calls: Sequence[Callable[[], Seen]]) -> list[Seen]:
 
 
 class Scenery:
-    """The ground of a scenario, as cameras see it. More than one thread may ask: one waits for the other."""
+    """The ground of a scenario, as cameras see it.
+
+    More than one thread may ask: who looks waits for who looks, who sounds for who sounds.
+    """
 
     def __init__(self, field: HeightField, place: GroundLook) -> None:
         self._ground = seen_ground(field)
@@ -84,8 +89,8 @@ class Scenery:
         self._look = Look(place.albedo, 1.0 if place.airless else 0.0)
         self._shadows = lru_cache(maxsize=4)(self._shadows_of)
         self._ways = defaultdict[int, WalkRoom](WalkRoom)
-        self._in_use = Lock()
-        """Of all that is kept."""
+        self._looking, self._sounding = Lock(), Lock()
+        """Of what is kept for either."""
 
     def see(
         self,
@@ -111,7 +116,7 @@ class Scenery:
             scene = self._scene(moment, number)
             return lambda: render(scene, view, at, around)
 
-        with self._in_use:
+        with self._looking:
             return all_of([looking_from(number) for number in range(len(places))])
 
     def sound(
@@ -124,8 +129,8 @@ class Scenery:
         """
         rays = np.ascontiguousarray(beams.directions @ turn.T)
         eye = Eye(np.array(place, dtype=np.float64), min(beams.reach, FARTHEST), 0.5 / self._place.radius)
-        with self._in_use:
-            around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()), self._ways[0])
+        with self._sounding:
+            around = panorama(beams.spacing, float(rays[:, 2].min()), float(rays[:, 2].max()), self._ways[SOUND])
             met = Sounded(self._now(memory), self._soils, self._place.albedo, body)
             if beams.reflectance is not None:
                 met = _as_bright(met, beams.reflectance)
@@ -139,9 +144,7 @@ class Scenery:
 
     def way_ahead(self, places: FloatArray, ahead: FloatArray, memory: GroundMemory, farthest: float) -> float:
         """Shortest way to the ground [m], as `touch.way_ahead`."""
-        with self._in_use:
-            now = self._now(memory)
-        return float(way_ahead(now, np.ascontiguousarray(places), np.array(ahead), farthest))
+        return float(way_ahead(self._now(memory), np.ascontiguousarray(places), np.array(ahead), farthest))
 
     def _scene(self, moment: Moment, number: int) -> Scene:
         """Of a moment, for one of the cameras that look at once."""
@@ -156,9 +159,10 @@ class Scenery:
         )
 
     def _now(self, memory: GroundMemory) -> DrawnGround:
-        if self._last[0] is not memory:
-            self._last = memory, with_changes(self._ground, memory)
-        return self._last[1]
+        last = self._last
+        if last[0] is not memory:
+            self._last = last = memory, with_changes(self._ground, memory)
+        return last[1]
 
     def _shadows_of(self, number: int, x: float, y: float, z: float, disc: float) -> CastShadows:
         """Each of the cameras that look at once fills in its own, so that none reads what another has half written."""

@@ -182,8 +182,11 @@ class Camera(SeeingSensor[CameraSensorParams, Unfinished[Images] | Images]):
         """Dust on the lens; an image has no numbers that other faults change."""
         if fault.params.dust == 0.0:
             return super().faulted(finished(reading), fault)
-        (image,) = finished(reading)
-        return (self._behind(image, self.cover(fault)),)
+        return reading.then(self._behind(fault)) if isinstance(reading, Unfinished) else self._behind(fault)(reading)
+
+    def _behind(self, fault: FaultNow) -> Callable[[Images], Images]:
+        """What is seen behind dust of a reading."""
+        return lambda images: (self._dimmed(images[0], self.cover(fault)),)
 
     def cover(self, fault: FaultNow) -> NDArray[np.float32]:
         """Part of the light of each pixel that dust on the lens takes, (rows, columns) [-]."""
@@ -199,7 +202,7 @@ class Camera(SeeingSensor[CameraSensorParams, Unfinished[Images] | Images]):
         return np.asarray(np.clip(grains, 0.0, 1.0))
 
     @staticmethod
-    def _behind(image: NDArray[np.uint8], cover: NDArray[np.float32]) -> NDArray[np.uint8]:
+    def _dimmed(image: NDArray[np.uint8], cover: NDArray[np.float32]) -> NDArray[np.uint8]:
         """What of an image is seen behind dust."""
         return np.asarray(np.rint(image + cover * (GREY * image.mean() - image)), dtype=np.uint8)
 
@@ -252,19 +255,21 @@ class CameraPair(Camera):
 
         return made
 
-    def faulted(self, reading: Unfinished[Images] | Images, fault: FaultNow) -> Unfinished[Images] | Images:
-        """Dust on both lenses, on each in other places; where it hides a place from one there is no depth."""
-        if fault.params.dust == 0.0:
-            return super().faulted(reading, fault)
-        left, right, depth = finished(reading)
-        on_left, on_right = self.cover(fault), self.cover(replace(fault, stream=mixed(fault.stream)))
-        rows, columns = np.nonzero(depth)
-        scale = 1000.0 * self.params.lens.focal_length * self.params.stereo.baseline
-        there = np.clip(np.rint(columns - scale / depth[rows, columns]).astype(int), 0, None)
-        hidden = (on_left[rows, columns] > 0.5) | (on_right[rows, there] > 0.5)
-        depth = depth.copy()
-        depth[rows[hidden], columns[hidden]] = 0
-        return self._behind(left, on_left), self._behind(right, on_right), depth
+    def _behind(self, fault: FaultNow) -> Callable[[Images], Images]:
+        """Dust is on both lenses, on each in other places; where it hides a place from one there is no depth."""
+
+        def seen(images: Images) -> Images:
+            left, right, depth = images
+            on_left, on_right = self.cover(fault), self.cover(replace(fault, stream=mixed(fault.stream)))
+            rows, columns = np.nonzero(depth)
+            scale = 1000.0 * self.params.lens.focal_length * self.params.stereo.baseline
+            there = np.clip(np.rint(columns - scale / depth[rows, columns]).astype(int), 0, None)
+            hidden = (on_left[rows, columns] > 0.5) | (on_right[rows, there] > 0.5)
+            depth = depth.copy()
+            depth[rows[hidden], columns[hidden]] = 0
+            return self._dimmed(left, on_left), self._dimmed(right, on_right), depth
+
+        return seen
 
     def messages(self, stamp: int, reading: Unfinished[Images] | Images | None) -> Iterator[tuple[str, Any]]:
         left, left_info, right, right_info, depth = self.rows
