@@ -24,7 +24,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from sojourn_contract.errors import ContractError
-from sojourn_contract.unfinished_image import finished
+from sojourn_contract.unfinished_image import UNFINISHED
 
 TREE = "state.json"
 OURS = "sojourn_"
@@ -107,7 +107,6 @@ class TreeWriter:
 
     def tree(self, value: Any, place: str) -> Any:
         """A value at a place of the state as plain values."""
-        value = finished(value)
         if value is None or type(value) in PLAIN:
             return value
         for kind, write in self._writers:
@@ -144,6 +143,7 @@ class TreeWriter:
         return {"map": [[self.tree(k, place), self.tree(one, f"{place}[{k!r}]")] for k, one in value.items()]}
 
     _writers: tuple[tuple[Any, Callable[..., Any]], ...] = (
+        (UNFINISHED, lambda self, value, place: self.tree(value.finished(), place)),
         (np.ndarray, _array),
         (enum.Enum, _enum),
         (np.generic, lambda self, value, place: {"number": self.tree(np.asarray(value), place)}),

@@ -75,7 +75,9 @@ def shared(calls: Sequence[Callable[[], Made]]) -> list[Made]:
         _help_until(lambda: all(part.is_made for part in parts), parts)
     finally:
         with _changed:  # nobody is to begin one once the others are given up
-            _withdraw(parts)
+            for part in parts:
+                if part in _offered:
+                    _offered.remove(part)
     return [part.result() for part in parts]
 
 
@@ -118,7 +120,7 @@ def _help_until(is_done: Callable[[], bool], ours: Sequence[_Part] | None = None
                 _changed.wait_for(lambda: is_done() or _next(ours) is not None)
                 part = _next(ours)
                 if part is not None:
-                    _withdraw([part])
+                    _offered.remove(part)
             if part is not None:
                 part.make()
         except BaseException:
@@ -132,13 +134,6 @@ def _help_until(is_done: Callable[[], bool], ours: Sequence[_Part] | None = None
 def _next(ours: Sequence[_Part] | None) -> "_Part | None":
     """The first that is offered, of `ours` or all."""
     return next((part for part in _offered if ours is None or part in ours), None)
-
-
-def _withdraw(parts: Sequence[_Part]) -> None:
-    """Offer these no more."""
-    for part in parts:
-        if part in _offered:
-            _offered.remove(part)
 
 
 def _finish_all_but(count: int) -> None:

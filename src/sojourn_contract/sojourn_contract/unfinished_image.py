@@ -54,8 +54,10 @@ class UnfinishedImage(Image):
 
 
 _DATA = Image._fields.index("data")
+UNFINISHED = (Unfinished, UnfinishedImage)
+"""Of what `finished` makes whole."""
 
 
 def finished(value: Any) -> Any:
     """A value, whole; any other is that already."""
-    return value.finished() if isinstance(value, Unfinished | UnfinishedImage) else value
+    return value.finished() if isinstance(value, UNFINISHED) else value

@@ -12,7 +12,7 @@ whole scene that it scatters, and darker than that. A pair finds no depth where 
 lenses.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, ClassVar, TypeAlias
@@ -41,6 +41,7 @@ from sojourn_physics.imaging.camera import (
 )
 from sojourn_physics.imaging.lens import LensParams
 from sojourn_physics.imaging.pixel_noise import pixel_noise
+from sojourn_physics.imaging.scenery import Moment
 from sojourn_physics.terrain.memory import GroundMemory
 from sojourn_sensors.fault_hooks import SPECK, FaultNow
 from sojourn_sensors.seeing import SeeingParams, SeeingSensor
@@ -123,6 +124,19 @@ class StereoCameraSensorParams(CameraSensorParams):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class CameraSight:
+    """All that images follow from, as far as it changes."""
+
+    stamp: int
+    """[ns]"""
+    turn: FloatArray
+    """From the optical frame into map, (3, 3)."""
+    place: FloatArray
+    """Of the link in map, (3,) [m]."""
+    moment: Moment
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Shot:
     """What one camera of a pair has taken."""
 
@@ -136,7 +150,7 @@ class Shot:
 
 
 class Camera(SeeingSensor[CameraSensorParams, Unfinished[Images] | Images]):
-    """Its reading are its images; those of a checkpoint, or behind dust, are whole."""
+    """Its reading are its images; those of a checkpoint are whole."""
 
     every: ClassVar[int] = EVERY
     encodings: ClassVar[tuple[str, ...]] = (MONO,)
@@ -148,32 +162,30 @@ class Camera(SeeingSensor[CameraSensorParams, Unfinished[Images] | Images]):
         self._grains = lru_cache(maxsize=4)(self._grains_of)  # they stay where they are
 
     def read(self, ground: GroundMemory, truth: Truth) -> Unfinished[Images]:
-        return begun(self.view(ground, truth))
+        return begun(partial(self.images, self.view(ground, truth)))
 
-    def view(self, ground: GroundMemory, truth: Truth) -> Callable[[], Images]:
-        """Of the truth, over ground to which so much has been done: makes the images, in whatever thread calls it."""
-        shots = self.shots(ground, truth, {self.name: 0.0})
-        return lambda: tuple(shot.image for shot in shots())
+    def view(self, ground: GroundMemory, truth: Truth) -> CameraSight:
+        """Of the truth, over ground to which so much has been done."""
+        here = self.outlook(truth)
+        moment = self.site.scene.moment(truth.stamp, here.place, ground, here.body)
+        return CameraSight(truth.stamp, here.turn @ LINK_TO_OPTICAL, here.place, moment)
 
-    def shots(self, ground: GroundMemory, truth: Truth, aside: Mapping[str, float]) -> Callable[[], list[Shot]]:
-        """From places so far to the right of the link [m], all with the exposure of the first, by the name of their
-        noise; made when it is called.
+    def images(self, view: CameraSight) -> Images:
+        """Made in whatever thread calls it."""
+        return tuple(shot.image for shot in self.shoot(view, {self.name: 0.0}))
+
+    def shoot(self, view: CameraSight, aside: Mapping[str, float]) -> list[Shot]:
+        """Images from places so far to the right of the link [m], all with the exposure of the first, by the name of
+        their noise.
         """
-        here, scene = self.outlook(truth), self.site.scene
-        turn, place, stamp = here.turn @ LINK_TO_OPTICAL, here.place, truth.stamp
-        moment = scene.moment(stamp, place, ground, here.body)
-
-        def made() -> list[Shot]:
-            places = [place + x * turn[:, 0] for x in aside.values()]
-            seen = scene.scenery.see(self.optics, moment, turn, places, shared)
-            time = exposure_for(self.optics, seen[0][0])
-            exposed = [
-                partial(self._exposed, name, stamp, radiance, time)
-                for name, (radiance, _) in zip(aside, seen, strict=True)
-            ]
-            return [Shot(image, *both, time) for image, both in zip(shared(exposed), seen, strict=True)]
-
-        return made
+        places = [view.place + x * view.turn[:, 0] for x in aside.values()]
+        seen = self.site.scene.scenery.see(self.optics, view.moment, view.turn, places, shared)
+        time = exposure_for(self.optics, seen[0][0])
+        exposed = [
+            partial(self._exposed, name, view.stamp, radiance, time)
+            for name, (radiance, _) in zip(aside, seen, strict=True)
+        ]
+        return [Shot(image, *both, time) for image, both in zip(shared(exposed), seen, strict=True)]
 
     def _exposed(self, name: str, stamp: int, radiance: NDArray[np.float32], time: float) -> NDArray[np.uint8]:
         return expose(self.optics, radiance, time, pixel_noise(self.site.seed, name, stamp))
@@ -182,11 +194,13 @@ class Camera(SeeingSensor[CameraSensorParams, Unfinished[Images] | Images]):
         """Dust on the lens; an image has no numbers that other faults change."""
         if fault.params.dust == 0.0:
             return super().faulted(finished(reading), fault)
-        return reading.then(self._behind(fault)) if isinstance(reading, Unfinished) else self._behind(fault)(reading)
+        behind = partial(self._behind, fault)
+        return reading.then(behind) if isinstance(reading, Unfinished) else behind(reading)
 
-    def _behind(self, fault: FaultNow) -> Callable[[Images], Images]:
-        """What is seen behind dust of a reading."""
-        return lambda images: (self._dimmed(images[0], self.cover(fault)),)
+    def _behind(self, fault: FaultNow, images: Images) -> Images:
+        """What is seen of images behind dust."""
+        (image,) = images
+        return (self._dimmed(image, self.cover(fault)),)
 
     def cover(self, fault: FaultNow) -> NDArray[np.float32]:
         """Part of the light of each pixel that dust on the lens takes, (rows, columns) [-]."""
@@ -240,36 +254,26 @@ class CameraPair(Camera):
     """Its reading are the left image, the right one and the depth."""
 
     params: StereoCameraSensorParams
-
     encodings: ClassVar[tuple[str, ...]] = (MONO, MONO, DEPTHS)
 
-    def view(self, ground: GroundMemory, truth: Truth) -> Callable[[], Images]:
-        pair, stamp = self.params.stereo, truth.stamp
-        shots = self.shots(ground, truth, {self.name: 0.0, f"{self.name}.right": pair.baseline})
+    def images(self, view: CameraSight) -> Images:
+        pair = self.params.stereo
+        left, right = self.shoot(view, {self.name: 0.0, f"{self.name}.right": pair.baseline})
+        noise = pixel_noise(self.site.seed, f"{self.name}.depth", view.stamp)
+        depth = stereo_depth(self.optics, pair, (left.radiance, left.distance), left.time, noise)
+        return left.image, right.image, depth
 
-        def made() -> Images:
-            left, right = shots()
-            noise = pixel_noise(self.site.seed, f"{self.name}.depth", stamp)
-            depth = stereo_depth(self.optics, pair, (left.radiance, left.distance), left.time, noise)
-            return left.image, right.image, depth
-
-        return made
-
-    def _behind(self, fault: FaultNow) -> Callable[[Images], Images]:
+    def _behind(self, fault: FaultNow, images: Images) -> Images:
         """Dust is on both lenses, on each in other places; where it hides a place from one there is no depth."""
-
-        def seen(images: Images) -> Images:
-            left, right, depth = images
-            on_left, on_right = self.cover(fault), self.cover(replace(fault, stream=mixed(fault.stream)))
-            rows, columns = np.nonzero(depth)
-            scale = 1000.0 * self.params.lens.focal_length * self.params.stereo.baseline
-            there = np.clip(np.rint(columns - scale / depth[rows, columns]).astype(int), 0, None)
-            hidden = (on_left[rows, columns] > 0.5) | (on_right[rows, there] > 0.5)
-            depth = depth.copy()
-            depth[rows[hidden], columns[hidden]] = 0
-            return self._dimmed(left, on_left), self._dimmed(right, on_right), depth
-
-        return seen
+        left, right, depth = images
+        on_left, on_right = self.cover(fault), self.cover(replace(fault, stream=mixed(fault.stream)))
+        rows, columns = np.nonzero(depth)
+        scale = 1000.0 * self.params.lens.focal_length * self.params.stereo.baseline
+        there = np.clip(np.rint(columns - scale / depth[rows, columns]).astype(int), 0, None)
+        hidden = (on_left[rows, columns] > 0.5) | (on_right[rows, there] > 0.5)
+        depth = depth.copy()
+        depth[rows[hidden], columns[hidden]] = 0
+        return self._dimmed(left, on_left), self._dimmed(right, on_right), depth
 
     def messages(self, stamp: int, reading: Unfinished[Images] | Images | None) -> Iterator[tuple[str, Any]]:
         left, left_info, right, right_info, depth = self.rows
