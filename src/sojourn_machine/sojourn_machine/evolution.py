@@ -21,10 +21,7 @@ def replace(value: Value, /, **changes: Any) -> Value:
     Raises:
         TypeError: a name that is no field.
     """
-    kind = type(value)
-    evolver = _EVOLVERS.get(kind)
-    if evolver is None:
-        evolver = _EVOLVERS[kind] = _evolver(kind)
+    evolver = _EVOLVERS.get(type(value)) or _EVOLVERS.setdefault(type(value), _evolver(type(value)))
     evolved: Value = evolver(value, **changes)
     return evolved
 

@@ -132,12 +132,18 @@ def figures(plain: Sequence[TimedTurn], rich: Sequence[TimedTurn]) -> dict[str, 
     """Of turns that were taken one beside the other.
 
     A period is dearer by the median of the ratios, turn by turn, and by what a look ahead of the rich machine takes
-    more than that of the plain one, spread over its minute.
+    more than that of the plain one, spread over its minute: the median over the looks, each told in turns of the plain
+    machine beside it, which the computer took as quickly.
     """
     pairs = [pair for pair in zip(plain, rich, strict=True) if not (pair[0].looked or pair[1].looked)]
     usual, richer = (statistics.median(turn.seconds for turn in turns) for turns in zip(*pairs, strict=True))
     dearer = statistics.median(other.seconds / one.seconds for one, other in pairs) - 1.0
-    ahead = (_look(rich, richer) - _look(plain, usual)) / (EACH_MINUTE * usual)
+    looks = [
+        (_look(rich, place) - _look(plain, place)) / (EACH_MINUTE * _beside(plain, place))
+        for place, turn in enumerate(plain)
+        if turn.looked
+    ]
+    ahead = statistics.median(looks) if looks else 0.0
     return {
         "plain network, a period [us]": usual / TURN * 1e6,
         "rich network, a period [us]": richer / TURN * 1e6,
@@ -146,7 +152,11 @@ def figures(plain: Sequence[TimedTurn], rich: Sequence[TimedTurn]) -> dict[str, 
     }
 
 
-def _look(turns: Sequence[TimedTurn], usual: float) -> float:
-    """What one look ahead takes, beyond a usual turn [s]; 0 where there is none in them."""
-    looks = [turn.seconds - usual for turn in turns if turn.looked]
-    return statistics.median(looks) if looks else 0.0
+def _look(turns: Sequence[TimedTurn], place: int) -> float:
+    """What one look ahead takes, beyond the turns beside its own [s]."""
+    return turns[place].seconds - _beside(turns, place)
+
+
+def _beside(turns: Sequence[TimedTurn], place: int) -> float:
+    """What the turns before and after one take, in the mean [s]."""
+    return statistics.mean(turn.seconds for turn in (*turns[max(place - 1, 0) : place], *turns[place + 1 : place + 2]))

@@ -74,8 +74,8 @@ class Size(NamedTuple):
     views: int
 
 
-QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600, 70, 15, 15)
-FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000, 190, 60, 60)
+QUICK = Size(100_000, (10, 100), 1000, 50, 500, 3.0, 15.0, 1, 100, 2, 600, 190, 15, 15)
+FULL = Size(1_000_000, (10, 100, 1000), 10_000, 200, 100_000, 100.0, 40.0, 3, 400, 7, 3000, 370, 60, 60)
 Part = Callable[[Size, argparse.Namespace], dict[str, float]]
 PARTS: dict[str, Part] = {
     "step": lambda size, given: bench_step.bench_step(given.scenario),

@@ -57,19 +57,23 @@ def step(
         else:
             known = kalman.step(law.kalman, store, known, reading, dt)
         return replace(state, soc=known.soc, filter=known)
-    voltage = reading.voltage if state.voltage_filtered is None else state.voltage_filtered
-    rested_voltage = voltage + store.settled_resistance(reading.temperature) * state.current_filtered
-    soc_by_voltage = store.soc_from_open_circuit_voltage(rested_voltage)
     if state.soc is None:
-        return replace(state, soc=soc_by_voltage)
+        return replace(state, soc=_soc_by_voltage(store, state, reading))
 
     efficiency = store.charging_efficiency if reading.current < 0.0 else 1.0
     soc = state.soc - efficiency * reading.current * dt / store.charge_capacity
     rest_elapsed = state.rest_elapsed + dt if abs(reading.current) <= law.rest_current else 0.0
     correcting = rest_elapsed > law.rest_time
     if correcting:
-        soc += (soc_by_voltage - soc) * (1.0 - exp(-dt / law.correction_time_constant))
+        soc += (_soc_by_voltage(store, state, reading) - soc) * (1.0 - exp(-dt / law.correction_time_constant))
     return replace(state, soc=min(max(soc, 0.0), 1.0), rest_elapsed=rest_elapsed, correcting=correcting)
+
+
+def _soc_by_voltage(store: StoreParams, state: StoreEstimate, reading: StoreReading) -> float:
+    """State of charge of a rested store that shows what is filtered [1]."""
+    voltage = reading.voltage if state.voltage_filtered is None else state.voltage_filtered
+    rested = voltage + store.settled_resistance(reading.temperature) * state.current_filtered
+    return store.soc_from_open_circuit_voltage(rested)
 
 
 def _filtered(law: PowerLawParams, state: StoreEstimate, reading: StoreReading, dt: float) -> StoreEstimate:

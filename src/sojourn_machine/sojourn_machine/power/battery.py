@@ -27,7 +27,7 @@ Valid for currents up to a few times the capacity per hour, steps short against 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from math import expm1
+from math import expm1, isfinite
 from typing import Any, Self
 
 import numpy as np
@@ -347,9 +347,9 @@ def step(
         InvalidValueError: current, dt or temperature not finite, dt not positive.
     """
     around = params.temperature_surroundings if temperature_surroundings is None else temperature_surroundings
-    if not np.isfinite(current):
+    if not isfinite(current):
         raise InvalidValueError(f"{params.name} current [A]", current, "a finite number")
-    if not (np.isfinite(dt) and dt > 0.0):
+    if not (isfinite(dt) and dt > 0.0):
         raise InvalidValueError("dt [s]", dt, "a finite number above 0")
     _require_temperature(params, around)
     losses, tables = params.losses(state, current, dt), params.pack.tables
@@ -396,5 +396,5 @@ def limits_exceeded(params: BatteryParams, state: PackState, current: float) -> 
 
 
 def _require_temperature(params: BatteryParams, temperature: float) -> None:
-    if not (np.isfinite(temperature) and temperature > 0.0):
+    if not (isfinite(temperature) and temperature > 0.0):
         raise InvalidValueError(f"{params.name} temperature [K]", temperature, "a finite number above 0")

@@ -174,7 +174,7 @@ class PowerNetwork:
         if not isfinite(dt) or dt <= 0.0:
             raise InvalidValueError("dt [s]", dt, "a finite number above 0")
         given = switches.tolist()
-        if min(given, default=0.0) < 0.0 or max(given, default=0.0) > 1.0:
+        if given and (min(given) < 0.0 or max(given) > 1.0):
             raise InvalidValueError("load fractions", given, "0 to 1")
         commanded, fuses = switches, state.fuses
         if fuses is not None:

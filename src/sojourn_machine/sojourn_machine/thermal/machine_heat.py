@@ -83,8 +83,8 @@ class MachineHeat:
         self._loads = [load.name for load in power.loads]
         self._stores = list(power.all_stores.values())
         places = {name: place for place, name in enumerate(self._loads)}
-        self._heaters = np.array([places[name] for name in params.heaters], dtype=np.int64)
-        self._rated = np.array([heater.power_w for heater in params.heaters.values()])
+        self._heaters = [places[name] for name in params.heaters]
+        self._rated = [heater.power_w for heater in params.heaters.values()]
         nodes = {name: place for place, name in enumerate(self.network.names)}
         self._load_nodes = [
             (place, nodes[params.warms[name]])
@@ -144,22 +144,47 @@ class MachineHeat:
 
     def step(self, state: HeatState, around: ThermalSurroundings, supplied: Supplied, dt: float) -> HeatState:
         """After a step of `dt` [s] of the power network. Raises InvalidValueError as the thermal network does."""
-        heat = np.zeros(len(self.network.names))
+        power = supplied.power.tolist()  # numbers one by one, of which a machine has few: arrays take longer
+        heat = self._heat_given(supplied, power, dt)
+        fed = self._fed(state, supplied, power)
+        thermal = self.network.step(state.thermal, around, np.array(heat), dt, fed=np.array(fed))
+        return replace(state, thermal=thermal, duty=np.array(self._closed(state.thermal, thermal, fed, dt)))
+
+    def _heat_given(self, supplied: Supplied, power: Sequence[float], dt: float) -> list[float]:
+        """Of loads, stores and sources to each node [W]."""
+        heat, before, after = [0.0] * len(self.network.names), supplied.before, supplied.after
         for load, node in self._load_nodes:
-            heat[node] += supplied.power[load]
-        stores = zip(self._stores, supplied.before.stores, supplied.after.stores, self._store_nodes, strict=True)
-        for store, before, after, place in stores:
+            heat[node] += power[load]
+        for store, old, new, place in zip(self._stores, before.stores, after.stores, self._store_nodes, strict=True):
             if place is not None:
-                heat[place] += store.heat_given(before, after) / dt
+                heat[place] += store.heat_given(old, new) / dt
         for place, source, node in self._sources:
-            heat[node] += source.heat_given(supplied.before.sources[place], supplied.after.sources[place]) / dt
-        drawn = supplied.power[self._heaters]
-        commanded = supplied.fractions[self._heaters]
-        # a closed contact passes what the bus gave, an open one would have passed as much as its switch allows
-        full = np.divide(drawn, state.duty * self._rated, out=commanded.copy(), where=state.duty > 0.0)
-        energy = state.thermal.heater_energy
-        earlier = np.zeros(len(full)) if energy is None else energy
-        thermal = self.network.step(state.thermal, around, heat, dt, fed=full)
-        added = (np.zeros(len(full)) if thermal.heater_energy is None else thermal.heater_energy) - earlier
-        closed = np.divide(added, full * self._rated * dt, out=thermal.heating.copy(), where=full > 0.0)
-        return replace(state, thermal=thermal, duty=np.minimum(np.maximum(closed, 0.0), 1.0))
+            heat[node] += source.heat_given(before.sources[place], after.sources[place]) / dt
+        return heat
+
+    def _fed(self, state: HeatState, supplied: Supplied, power: Sequence[float]) -> list[float]:
+        """Part of its power that each heater has while its contact is closed [1]: a closed one passes what the bus
+        gave, an open one would have passed as much as its switch allows.
+        """
+        heaters = zip(self._heaters, self._rated, state.duty.tolist(), strict=True)
+        return [
+            power[place] / (duty * rated) if duty * rated > 0.0 else float(supplied.fractions[place])
+            for place, rated, duty in heaters
+        ]
+
+    def _closed(self, before: ThermalState, after: ThermalState, fed: Sequence[float], dt: float) -> list[float]:
+        """Part of the step for which the contact of each heater was closed [1]; as it stands at the end where it passed
+        nothing.
+        """
+        heating = after.heating.tolist()
+        earlier, energy = _heater_energies(before), _heater_energies(after)
+        of_each = zip(self._rated, fed, heating, earlier, energy, strict=True)
+        return [
+            min(max((new - old) / (part * rated * dt), 0.0), 1.0) if part * rated * dt > 0.0 else closed
+            for rated, part, closed, old, new in of_each
+        ]
+
+
+def _heater_energies(state: ThermalState) -> list[float]:
+    """Of each heater since the start [J]."""
+    return [0.0] * len(state.heating) if state.heater_energy is None else state.heater_energy.tolist()
