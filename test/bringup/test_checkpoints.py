@@ -98,12 +98,25 @@ def test_with_other_values_it_branches_off(unbroken: Path) -> None:
         (["--without", "drive", "--realtime"], "--realtime and --without"),
         (["--set", "sensors.hazcam=null"], r"another state \(sensors\.sensors: "),
         (["--set", "sensors.sun=null"], "another state"),
+        (["--set", "battery_soc=0.1"], "battery_soc is of the start, which is over: allowed is what acts from 4 s on"),
+        (["--set", "start.x=1.0"], "start is of the start, which is over"),
+        (["--set", "steps[0].drive_to.x=5.0"], r"steps\[0\] has begun: allowed is .* its steps from steps\[1\]"),
+        (["--set", "steps=[]"], r"steps\[0\] has begun"),
     ],
 )
 def test_what_it_does_not_go_with(unbroken: Path, tmp_path: Path, arguments: list[str], words: str) -> None:
     with pytest.raises(UsageError, match=words):
         start.main(["--resume", str(kept(unbroken)), *arguments, "--run-dir", str(tmp_path / "run")])
     assert not (tmp_path / "run").exists()
+
+
+def test_what_has_not_begun_may_be_another(unbroken: Path) -> None:
+    """The drive of the first step goes on at two seconds: it may take longer, and what follows may be another step."""
+    steps = "steps=[{drive_to: {x: 0.2, y: 0.0}, timeout_s: 50.0}, {wait_s: 0.5}]"
+    branch = resume(kept(unbroken, 2), [steps])
+    assert [step.timeout_s for step in branch.scenario.loaded.config.steps] == [50.0, None]
+    with pytest.raises(UsageError, match=r"steps\[0\] has begun: .* and the time-out of the step that goes on"):
+        resume(kept(unbroken, 2), ["steps=[{drive_to: {x: 0.3, y: 0.0}}, {wait_s: 0.5}]"])
 
 
 @pytest.mark.parametrize("way", [["--realtime"], ["--composed", "--realtime"]])

@@ -14,12 +14,14 @@ from sojourn_bags.errors import UnreadableBagError
 from sojourn_bags.reading import bag_file
 from sojourn_bringup.plan import RunPlan
 from sojourn_config.command_errors import UsageError
-from sojourn_config.scenario import LoadedScenario
+from sojourn_config.scenario import LoadedScenario, ScenarioConfig
+from sojourn_config.steps import StepConfig
 from sojourn_contract.checkpoint_times import EvenTimes
 from sojourn_contract.role_state import ForeignState, RoleState
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.state_tree import CheckpointError
+from sojourn_operator.app import OperatorApp, OperatorState
 from sojourn_operator.scenario_steps import PreparedScenario, prepare_scenario
 from sojourn_stack.apps import make_apps
 from sojourn_stack.checkpoint import Origin, read, save
@@ -28,6 +30,8 @@ from sojourn_stack.structure import difference
 
 FOLDER, SUFFIX = "checkpoints", ".checkpoint"
 HALF_PERIOD_S = seconds(CONTROL_PERIOD_NS) / 2
+ONLY_AT_START = ("start", "battery_soc")
+"""Values of a scenario that the state of a run has taken the place of."""
 
 
 class CheckpointKeeper:
@@ -142,6 +146,9 @@ def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
     if not overrides:
         return Resumption(as_it_was, origin.participants, state)
     branched = prepare_scenario(origin.scenario, (*origin.overrides, *overrides))
+    late = _too_late(as_it_was.loaded.config, branched.loaded.config, state)
+    if late:
+        raise UsageError(f"{file}: {late}")
     unlike = _unlike(as_it_was.loaded, branched.loaded, origin.participants)
     if unlike:
         raise UsageError(f"{file}: with these values the run would have another state ({unlike})")
@@ -164,6 +171,36 @@ def what_keeps_from_resuming(state: StackState, replaced: Mapping[str, str]) -> 
 def _digests(loaded: LoadedScenario) -> dict[str, str]:
     texts = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in loaded.files.items()}
     return {**texts, **loaded.digests}
+
+
+def _too_late(one: ScenarioConfig, other: ScenarioConfig, state: StackState) -> str:
+    """What another run changes that is over in a state, in words; "" where that is nothing. It would have no effect,
+    and yet stand in its record.
+    """
+    for name in ONLY_AT_START:
+        if getattr(one, name) != getattr(other, name):
+            return f"{name} is of the start, which is over: allowed is what acts from {seconds(state.now):g} s on"
+    begun = _steps_begun(state)
+    for place in range(begun):
+        pair = [config.steps[place] if place < len(config.steps) else None for config in (one, other)]
+        if pair[0] != pair[1] and not (place == begun - 1 and _do_the_same(*pair)):
+            allowed = f"its steps from steps[{begun}] on, and the time-out of the step that goes on"
+            return f"steps[{place}] has begun: allowed is a change of {allowed}"
+    return ""
+
+
+def _steps_begun(state: StackState) -> int:
+    """Steps of the operator that have begun, those among them that have ended."""
+    operator = state.roles.get(OperatorApp.role)
+    if operator is None or not isinstance(operator.app, OperatorState):
+        return 0
+    script = operator.app.script
+    return len(script.results) + (script.since is not None)
+
+
+def _do_the_same(one: StepConfig | None, other: StepConfig | None) -> bool:
+    """Whether steps differ by their time-outs alone."""
+    return one is not None and other is not None and (one.kind, one.action) == (other.kind, other.action)
 
 
 def _unlike(one: LoadedScenario, other: LoadedScenario, participants: Sequence[str]) -> str:
