@@ -12,6 +12,9 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sunlight import Sunlight
 from sojourn_physics.environment.body import BodyParams
+from sojourn_physics.environment.site import SiteParams
+from sojourn_physics.environment.sun.over import SunOver
+from sojourn_physics.environment.sun.path import SunParams
 from sojourn_physics.thermal.site_ground import SiteGround
 
 MOON = load_params("bodies", "moon", BodyParams)
@@ -51,6 +54,24 @@ def test_a_cold_and_a_warm_half_follow_the_light() -> None:
     there = over_a_day(ground, MOON.solar_day)
     assert 500 <= there.argmax() < 540 and there.argmin() in (*range(1980, 2001), *range(20))
     assert ground.temperature(3.25 * MOON.solar_day) == pytest.approx(ground.temperature(0.25 * MOON.solar_day))
+
+
+def test_a_total_eclipse_of_the_moon_takes_the_heat_of_noon_in_an_hour() -> None:
+    """14 March 2025, seen from the middle of the near side: nothing yet at 3:50, total from 6:26 to 7:31. By a finer
+    model of its own, 0.3 mm at the surface and 10 s, with this light 271 K at 5:30 and 174 K at 7:25.
+    """
+
+    def ground(start: str) -> SiteGround:
+        sun = SunOver(SunParams.model_validate({"time": start}), MOON, SiteParams(latitude_deg=0.0, longitude_deg=0.0))
+        return SiteGround(MOON, lambda time: sun.light(time, 0.0, 0.0))
+
+    assert ground("2025-03-14T07:25:00Z").temperature(0.0) == pytest.approx(174.3, abs=2.0)
+    begun = ground("2025-03-14T03:50:00Z")
+    assert begun.temperature(0.0) > 384.0
+    assert begun.temperature(100.0 * 60.0) == pytest.approx(270.0, abs=3.0)
+    assert begun.temperature(215.0 * 60.0) == pytest.approx(174.3, abs=2.0)
+    assert begun.temperature(MOON.solar_day) > 383.0, "a month later there is none"
+    assert ground("2025-03-16T07:25:00Z").temperature(0.0) == pytest.approx(377.0, abs=2.0)
 
 
 def test_a_body_without_the_table_is_refused() -> None:
