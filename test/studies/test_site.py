@@ -43,6 +43,26 @@ def test_the_winds_of_a_planet_go_by_the_latitude_of_the_place(capsys: pytest.Ca
         assert sheet(capsys, "saturn", "--lat", latitude)["air"]["mean wind towards the east"] == expected
 
 
+@pytest.mark.parametrize(
+    ("body", "altitude", "said"),
+    [
+        ("venus", "80000", "of this height"),
+        ("mars", "40000", "of this height"),
+        ("jupiter", "-130000", "of this depth"),
+        ("mars", "21000", ""),
+        ("moon", "30000", ""),
+    ],
+)
+def test_of_a_place_within_the_air_it_says_what_is_not_known(
+    body: str, altitude: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The beam over Venus' clouds was said to be nothing, and 21 bar over Jupiter's to change nothing."""
+    found = sheet(capsys, body, "--altitude", altitude, "--time", "2026-05-01T00:00:00Z")
+    for group in (rows for rows in found.values() if isinstance(rows, dict)):
+        lit = any("sunlight" in name or "dose" in name or "meteoroids" in name for name in group)
+        assert {name for name in group if name.startswith("of this ")} == ({said} if said and lit else set())
+
+
 def test_the_ground_of_a_place_over_a_day(capsys: pytest.CaptureFixture[str]) -> None:
     """The Moon's equator: 385 to 395 K and 90 to 100 K (Hayne et al. 2017), coldest at sunrise. At 60 deg
     of latitude colder at noon by the fourth root of the cosine and of the part of slant light that it takes in."""

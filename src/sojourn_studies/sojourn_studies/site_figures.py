@@ -30,6 +30,8 @@ from sojourn_physics.thermal.site_ground import SiteGround
 
 MOMENTS = 145
 """Of a solar day that are looked at."""
+HIGHEST_GROUND = 25e3
+"""Of any body with air: Olympus Mons has 22 km [m]."""
 
 
 class SheetRow(NamedTuple):
@@ -99,9 +101,19 @@ def day(place: SheetPlace) -> Iterator[SheetRow]:
         yield SheetRow("turn against the stars, westward negative", place.body.rotation.sidereal_hours, "h")
 
 
+def not_of_the_height(place: SheetPlace) -> Iterator[SheetRow]:
+    """That what air leaves of light, dose and meteoroids is not told for a place within the air, at it."""
+    body = place.body
+    if not body.ground and body.atmosphere is not None:
+        yield SheetRow("of this depth", "not told: these figures are of light and space over all of the air")
+    elif body.surface_pressure > 0.0 and place.site.altitude_m > HIGHEST_GROUND:
+        yield SheetRow("of this height", "not told: these figures are of the ground, under all of the air")
+
+
 def sunlight(place: SheetPlace) -> Iterator[SheetRow]:
     """Sunlight over the year, and over a day from the date on."""
     body = place.body
+    yield from not_of_the_height(place)
     yield SheetRow("sunlight over the air, mean", body.solar_flux, "W/m2")
     for name, ratio in (("farthest", 1.0 + body.orbital_eccentricity), ("nearest", 1.0 - body.orbital_eccentricity)):
         yield SheetRow(f"sunlight over the air, {name}", body.solar_flux / ratio**2, "W/m2")
@@ -169,6 +181,7 @@ def soils(place: SheetPlace) -> Iterator[SheetRow]:
 
 def stay(place: SheetPlace) -> Iterator[SheetRow]:
     """Dose, upsets, hits and dust of a stay, with the source of each."""
+    yield from not_of_the_height(place)
     for row in rows_of_stay(place.body, Stay(place.days)):
         yield SheetRow(row.what, f"{row.value} ({row.source})" if row.source else row.value)
 
