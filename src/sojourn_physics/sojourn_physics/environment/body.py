@@ -108,8 +108,8 @@ class BodyParams(Params):
         if self.free_fall:
             raise InvalidValueError("site", self.name, "none: in free fall there is no ground to stand on")
         attraction = (self.attraction or ATTRACTIONS.get("oblate")(kind="oblate")).build(self)
-        spin = 0.0 if self.rotation is None else self.rotation.rate
-        return BodyField(attraction, spin, site_frame(site, self.semi_axes))
+        spin, tide = (0.0, 0.0) if self.rotation is None else (self.rotation.rate, self.rotation.tide)
+        return BodyField(attraction, spin, site_frame(site, self.semi_axes), tide)
 
     def field_in_orbit(self) -> TidalField:
         """Gravity in the map of a machine that floats. Raises InvalidValueError for a body that is no orbit."""

@@ -12,6 +12,7 @@ class RotationParams(Params):
     """Rotation of a body. A moon that shows its planet one face turns once a month."""
 
     sidereal_hours: float = Field(description="one turn against the stars; westward, as of Venus, negative [h]")
+    locked: bool = Field(default=False, description="a moon's: its meridian of longitude 0 stays under its planet")
 
     @field_validator("sidereal_hours")
     @classmethod
@@ -24,3 +25,8 @@ class RotationParams(Params):
     def rate(self) -> float:
         """Eastward [rad/s]."""
         return 2.0 * math.pi / (3600.0 * self.sidereal_hours)
+
+    @property
+    def tide(self) -> float:
+        """Of what a locked moon goes about: GM/a^3, on a circle the square of the rate [1/s^2]."""
+        return self.rate**2 if self.locked else 0.0

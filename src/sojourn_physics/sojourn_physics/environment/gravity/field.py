@@ -1,9 +1,12 @@
 """Gravity over a site: what a machine at a place of map weighs, and what it costs to lift it.
 
-    g = R^T [a(r) + w^2 (x, y, 0)] - 2 W x v,    E = U(r) - w^2 (x^2 + y^2) / 2,    r = r_0 + R p
+    g = R^T [a(r) + w^2 (x, y, 0) + t (2x, -y, -z)] - 2 W x v,    r = r_0 + R p
+    E = U(r) - w^2 (x^2 + y^2) / 2 - t (2 x^2 - y^2 - z^2) / 2
 
 for a body that turns at w about its z axis, W that turning in map, p and v a machine's place and velocity in map, R and
-r_0 of `site`. The last term, Coriolis's, turns what flies and does no work.
+r_0 of `site`. The last term of g, Coriolis's, turns what flies and does no work. t = GM/a^3 is the tide of the planet
+that a locked moon has over its x axis, at a distance a: nothing where none is known (Murray & Dermott 1999, "Solar
+System Dynamics", sec. 4.2). Left out are the eccentricity of the moon's orbit and other bodies.
 """
 
 from dataclasses import dataclass
@@ -68,6 +71,8 @@ class BodyField:
     spin: float
     """[rad/s]"""
     frame: SiteFrame
+    tide: float = 0.0
+    """[1/s^2]"""
     uniform = False
 
     @property
@@ -79,14 +84,16 @@ class BodyField:
         """Shape (3,) [m/s^2] at a place in map, of what moves there."""
         position = self.frame.in_body(place)
         total = self.attraction.acceleration(position)
-        (x, y, _), (vx, vy, _) = position, self.frame.rotation @ velocity
+        (x, y, z), (vx, vy, _) = position, self.frame.rotation @ velocity
         total[0] += self.spin * (self.spin * x + 2.0 * vy)
         total[1] += self.spin * (self.spin * y - 2.0 * vx)
+        if self.tide:
+            total += self.tide * np.array((2.0 * x, -y, -z))
         found: FloatArray = self.frame.rotation.T @ total
         return found
 
     def potential(self, place: FloatArray) -> float:
-        """Of attraction and rotation together, over the origin of map [J/kg]."""
+        """Of attraction, rotation and tide together, over the origin of map [J/kg]."""
         return self._energy(self.frame.in_body(place)) - self._energy(self.frame.origin)
 
     def escapes(self, place: FloatArray, velocity: FloatArray) -> bool:
@@ -100,5 +107,7 @@ class BodyField:
         return float((-2.0 * self.attraction.potential(self.frame.in_body(place))) ** 0.5)
 
     def _energy(self, position: FloatArray) -> float:
-        x, y, _ = position
-        return float(self.attraction.potential(position) - 0.5 * self.spin**2 * (x * x + y * y))
+        x, y, z = position
+        of_the_turn = 0.5 * self.spin**2 * (x * x + y * y)
+        of_the_tide = 0.5 * self.tide * (2.0 * x * x - y * y - z * z)
+        return float(self.attraction.potential(position) - of_the_turn - of_the_tide)
