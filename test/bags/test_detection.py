@@ -28,13 +28,17 @@ class Topics(dict[str, Any]):
     records: Mapping[str, Mapping[str, str]] = {}
 
 
-def bag(came: list[tuple[float, str]], said: list[tuple[float, str]], name: str = "dead", **run: str) -> Any:
-    """As `Bag` answers: /faults with (time, state), /drive/status with (time, failed_motors)."""
+def messages(rows: list[tuple[float, dict[str, str]]]) -> Any:
+    return SimpleNamespace(times=np.array([at for at, _ in rows]), statuses=lambda: [values for _, values in rows])
 
-    def messages(rows: list[tuple[float, dict[str, str]]]) -> Any:
-        return SimpleNamespace(times=np.array([at for at, _ in rows]), statuses=lambda: [values for _, values in rows])
+
+def bag(
+    came: list[tuple[float, str]], said: list[tuple[float, str]], name: str = "dead", end: float = 60.0, **run: str
+) -> Any:
+    """As `Bag` answers: /faults with (time, state), /drive/status with (time, failed_motors), the clock."""
 
     topics = Topics({"/drive/status": messages([(at, {"name": "drive", "failed_motors": text}) for at, text in said])})
+    topics["/clock"] = messages([(end, {})])
     topics.records = {"sojourn_run": run}
     if came:
         topics["/faults"] = messages([(at, {"name": name, "state": state, "kind": "motor_dead"}) for at, state in came])
@@ -70,6 +74,75 @@ def test_a_fault_of_which_nobody_says_how_it_shows_is_not_judged() -> None:
     assert by_hand.kind == "motor_dead"
     assert planned.good
     assert sentence([planned, by_hand]) == ""
+
+
+@pytest.mark.parametrize(
+    ("end", "said", "outcome", "words"),
+    [
+        (10.6, [(10.2, "")], "not judged", "not judged: the record ended 0.6 s after it came"),
+        (14.9, [], "not judged", "not judged: the record ended 4.9 s after it came"),
+        (10.6, [(10.5, "front_left")], "detected", "detected in 0.5 s"),
+        (10.6, [(9.0, "front_left")], "false alarm", "false alarm: 'front_left' in failed_motors"),
+        (15.0, [(10.2, "")], "missed", "missed: 'front_left' in failed_motors"),
+        (15.5, [(15.4, "front_left")], "missed", "missed: 'front_left' in failed_motors"),
+    ],
+)
+def test_no_fault_is_missed_whose_time_the_record_does_not_hold(
+    end: float, said: list[tuple[float, str]], outcome: str, words: str
+) -> None:
+    (result,) = judge_faults(bag([(10.0, "present")], said, end=end), [fault(expect=EXPECT)])
+    assert result.outcome == outcome and result.words.startswith(words)
+    assert result.good == (outcome in ("not judged", "detected"))
+    assert ("missed" in sentence([result])) == (outcome == "missed")
+    assert result.as_data()["begin_s"] == 10.0
+
+
+def test_a_fault_that_comes_again_has_not_gone() -> None:
+    coming = [(10.0, "present"), (14.0, "gone"), (20.0, "present")]
+    (again,) = judge_faults(bag(coming, []), [])
+    assert (again.begin_s, again.end_s) == (10.0, None)
+    (gone_again,) = judge_faults(bag([*coming, (23.0, "gone")], []), [])
+    assert (gone_again.begin_s, gone_again.end_s) == (10.0, 23.0)
+
+
+def beat(at: float, faults: str, refusals: int, role: str = "plant") -> tuple[float, dict[str, str]]:
+    told = {"refused /faults": str(refusals), "last refusal": "/faults.joint = nope"} if refusals else {}
+    return at, {"name": role, "state": "running", "faults": faults, **told}
+
+
+REFUSED_AT_10 = [(10.0, "present")]
+QUIET = [beat(at, "", 0) for at in (10.5, 11.5, 12.5)]
+OF_ONE = [beat(at, "", 1) for at in (10.5, 11.5, 12.5)]
+
+
+@pytest.mark.parametrize(
+    ("came", "beats", "outcome", "begin"),
+    [
+        (REFUSED_AT_10, [beat(9.5, "", 0), beat(10.5, "", 1)], "refused", None),
+        (REFUSED_AT_10, [beat(9.5, "", 2), beat(10.5, "other", 2), beat(11.5, "other", 3)], "refused", None),
+        (REFUSED_AT_10, [beat(9.5, "", 1), beat(10.5, "dead", 1)], "not judged", 10.0),
+        (REFUSED_AT_10, [beat(9.5, "", 0), beat(10.5, "other, dead", 1)], "not judged", 10.0),
+        (REFUSED_AT_10, [beat(9.5, "", 0), beat(10.5, "", 1), beat(10.5, "dead", 0, "sensors")], "not judged", 10.0),
+        (REFUSED_AT_10, [beat(9.5, "", 0), *QUIET, beat(30.5, "", 1)], "not judged", 10.0),
+        (REFUSED_AT_10, [beat(10.5, "", 4)], "not judged", 10.0),
+        (REFUSED_AT_10, [], "not judged", 10.0),
+        ([(10.0, "present"), (20.0, "present")], [beat(9.5, "", 0), *OF_ONE, beat(20.5, "dead", 1)],
+         "not judged", 20.0),
+        ([(10.0, "present"), (20.0, "present")], [beat(9.5, "", 0), beat(10.5, "dead", 0), beat(20.5, "dead", 1)],
+         "not judged", 10.0),
+    ],
+)  # fmt: skip
+def test_a_fault_that_the_plant_refused_has_not_come(
+    came: list[tuple[float, str]], beats: list[tuple[float, dict[str, str]]], outcome: str, begin: float | None
+) -> None:
+    recorded = bag(came, [])
+    recorded["/diagnostics"] = messages(beats)
+    (by_hand,) = judge_faults(recorded, [])
+    assert (by_hand.outcome, by_hand.begin_s, by_hand.kind) == (outcome, begin, "motor_dead")
+    assert by_hand.good and sentence([by_hand]) == ""
+    assert by_hand.words == ("refused: /faults.joint = nope" if outcome == "refused" else "not judged")
+    (planned,) = judge_faults(recorded, [fault(expect=EXPECT)])
+    assert planned.outcome == ("did not come" if outcome == "refused" else "missed")
 
 
 def test_the_verdict_names_what_was_not_detected() -> None:

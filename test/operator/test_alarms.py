@@ -193,6 +193,20 @@ def test_a_bag_gives_the_same_log_each_time_and_no_critical_alarm(bag: Bag) -> N
     assert [event.stamp for event in log] == sorted(event.stamp for event in log)
 
 
+def test_of_a_bag_that_is_cut_off_the_status_is_1_and_a_sentence_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (whole,) = REFERENCE.rglob("*.mcap")
+    cut, data = tmp_path / "cut.mcap", whole.read_bytes()
+    cut.write_bytes(data[: len(data) - 40])
+    assert main(["--bag", str(whole)]) == 0
+    said = capsys.readouterr()
+    assert main(["--bag", str(cut)]) == 1
+    told = capsys.readouterr()
+    assert told.out == said.out and not said.err
+    assert told.err.strip() == f"{cut} is cut off, so this holds as far as it goes (scripts/recover mends it)"
+
+
 def test_limits_of_a_file_go_over_those_of_the_machine(bag: Bag, tmp_path: Path) -> None:
     file = tmp_path / "limits.yaml"
     file.write_text("alarms:\n  charge: null\n  fast: {field: /odom.twist.twist.linear.x, critical: {above: 0.01}}\n")

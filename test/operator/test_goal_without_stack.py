@@ -10,9 +10,17 @@ import pytest
 
 from sojourn_config.command_line import run_script
 from sojourn_contract.codecs import encode
-from sojourn_contract.heartbeat import status_values
+from sojourn_contract.heartbeat import (
+    RUNNING,
+    Counters,
+    Heartbeat,
+    heartbeat_message,
+    read_heartbeats,
+    status_values,
+)
 from sojourn_contract.topics import topic
-from sojourn_operator import goal_command
+from sojourn_operator import goal_client, goal_command
+from sojourn_operator.fault_sending import CAME, NOT_THERE, REFUSED, WENT, answer_of, fault_event
 from sojourn_operator.goal_client import main
 from sojourn_operator.goal_sending import ANSWER_S
 
@@ -49,6 +57,10 @@ def test_one_sentence(arguments: list[str], who: str) -> None:
         ("fault motor_dead joint=x part=3", "part = 3: unknown key: allowed is one of"),
         ("fault motor_weak joint=x part=most", "part = 'most': is text: allowed is a number at least 0, below 1"),
         ("fault message_lost topic=/odom probability=0.5", "allowed in a scenario alone"),
+        ("fault message_lost topic=/odom probability=0.5 at=3", "allowed in a scenario alone"),
+        ("fault motor_dead joint=x lasts=2", "^lasts: allowed in a scenario alone: .*at once.*goes with --gone"),
+        ("fault motor_dead joint=x at=1 until=4", "at and until: allowed in a scenario alone: .*at once.*--gone"),
+        ("fault motor_dead joint=x --gone lasts=-1", "lasts: allowed in a scenario alone"),
     ],
 )
 def test_words_that_mean_nothing_end_with_status_2(command: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -171,3 +183,52 @@ def test_arguments_that_are_none_end_with_status_2(command: str, capsys: pytest.
     assert ended.value.code == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("goal") and "--help" in line
+
+
+def beat(faults: str, refusals: int = 0) -> Heartbeat:
+    counters = Counters(refused={"/faults": refusals} if refusals else {})
+    (found,) = read_heartbeats(heartbeat_message("plant", RUNNING, 0, counters, extra={"faults": faults}))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("options", "before", "now", "outcome"),
+    [
+        ("", beat(""), beat("other, dead"), CAME),
+        ("", beat(""), beat("", 1), REFUSED),
+        ("--gone", beat("other, dead"), beat("other"), WENT),
+        ("--gone", beat("other"), beat("other"), NOT_THERE),
+        ("--gone", None, beat("other"), WENT),
+    ],
+)
+def test_what_became_of_a_fault_by_hand_is_told_by_the_heartbeats(
+    options: str, before: Heartbeat | None, now: Heartbeat, outcome: str
+) -> None:
+    given = goal_client.parser().parse_args(f"fault motor_dead --name dead {options}".split())
+    event = fault_event(given, [("joint", "wheel_front_left_joint")])
+    answer = answer_of(event, {} if before is None else {"plant": before}, {"plant": now})
+    assert answer is not None and answer[0] == outcome
+
+
+class FaultDesk(Heard):
+    """A stack in which a fault has become of this."""
+
+    outcome: ClassVar[str]
+
+    beats: ClassVar[dict[str, Heartbeat]] = {}
+
+    def hear_from(self, _role: str) -> None:
+        pass
+
+    def watch(self, *_: object) -> tuple[str, str]:
+        return self.outcome, "dead of plant"
+
+
+@pytest.mark.parametrize(("outcome", "status"), [(CAME, 0), (WENT, 0), (NOT_THERE, 1), (REFUSED, 1)])
+def test_the_status_is_0_only_where_a_fault_has_come_or_gone(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], outcome: str, status: int
+) -> None:
+    monkeypatch.setattr(goal_command, "GoalClient", FaultDesk)
+    monkeypatch.setattr(FaultDesk, "outcome", outcome, raising=False)
+    assert main(["fault", "motor_dead", "joint=wheel_front_left_joint", "--gone"]) == status
+    assert capsys.readouterr().out == f"{outcome}: dead of plant\n"

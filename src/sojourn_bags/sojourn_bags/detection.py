@@ -1,25 +1,36 @@
 """Whether the faults of a run showed as its scenario expects: detected in so many seconds, missed, or a false alarm.
 
 A fault is detected when the text that is expected stands in its field of a status, at the stamp of that status, within
-the time that is allowed from the stamp of the fault on. It is missed if that comes later or not at all. Where the text
-stands there before its fault has come it is a false alarm, whatever follows. A fault that had come before
-the bag began, at a checkpoint, is judged by the bag where it begins to show there in time; else by that of the run
-before alone.
+the time that is allowed from the stamp of the fault on. It is missed if that comes later or not at all, and not judged
+where the record ends before that time is over. Where the text stands there before its fault has come it is a false
+alarm, whatever follows. A fault that had come before the bag began, at a checkpoint, is judged by the bag where it
+begins to show there in time; else by that of the run before alone.
+
+What is asked for on /faults has not come where whose it is has refused it: its heartbeats count what they refuse, and
+name the faults that are there.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 from sojourn_bags.definitions import RUN_RECORD
-from sojourn_bags.onset import faults_before
+from sojourn_bags.extent import sim_time
+from sojourn_bags.onset import HEARTBEATS, faults_before
 from sojourn_bags.reading import Bag
 from sojourn_contract.fault_messages import GONE, TOPIC
+from sojourn_contract.heartbeat import is_count
 from sojourn_machine.fault_choice import ExpectedDetection, FaultChoice
 
 DETECTED, MISSED, FALSE_ALARM, ABSENT, UNJUDGED = "detected", "missed", "false alarm", "did not come", "not judged"
-EARLIER = "came before this record"
-GOOD = (DETECTED, UNJUDGED, EARLIER)
+EARLIER, REFUSED = "came before this record", "refused"
+NOT_ASKED = (UNJUDGED, EARLIER, REFUSED)
+"""Of these nobody can say whether the fault was detected."""
+GOOD = (DETECTED, *NOT_ASKED)
+BEATS = 3
+"""Heartbeats after a fault by which whose it is has said what became of it: where a run is fast, messages come late."""
+ROUNDING_S = 1e-6
+"""Of stamps as numbers [s]."""
 
 
 class Coming(NamedTuple):
@@ -30,9 +41,23 @@ class Coming(NamedTuple):
     begin: float | None
     """[s]; None where it has not come."""
     end: float | None = None
-    """[s]; None where it has not gone."""
+    """[s]; None where it has not gone, or has come again."""
     is_earlier: bool = False
     """Whether it had come before the bag began."""
+    refusal: str = ""
+    """Why it has not come; empty where nobody refused it."""
+
+
+class FaultsTold(NamedTuple):
+    """What a heartbeat says of faults."""
+
+    time: float
+    """[s]"""
+    there: Sequence[str]
+    refused: int
+    """How many so far."""
+    reason: str
+    """Of the last refusal."""
 
 
 NEVER = Coming("", None)
@@ -43,10 +68,10 @@ class FaultResult:
     """What became of a fault.
 
     Args:
-        fault: its name. kind: what it is, "" where the bag does not say. begin_s: when it came, None if it did not [s].
-        end_s: when it went, None if it did not [s]. outcome: one of the words above. after_s: from the fault to the
-            first time that it showed, or of a false alarm to the fault; None where it did not show [s].
-        expected: what should show it, in words; "" where nobody says.
+        fault: its name. kind: what it is, "" where the bag does not say. begin_s: when it came first, None if it did
+            not [s]. end_s: when it went for good, None if it did not [s]. outcome: one of the words above. after_s:
+            from the fault to the first time that it showed, or of a false alarm to the fault; None where it did not
+            show [s]. expected: what should show it, in words; "" where nobody says. reason: of the outcome, or "".
     """
 
     fault: str
@@ -56,6 +81,7 @@ class FaultResult:
     outcome: str
     after_s: float | None
     expected: str
+    reason: str = ""
 
     @property
     def good(self) -> bool:
@@ -73,7 +99,7 @@ class FaultResult:
         if self.outcome == FALSE_ALARM:
             when = "though it never came" if self.after_s is None else f"{self.after_s:.1f} s before it came"
             return f"false alarm: {self.expected}, {when}"
-        return self.outcome
+        return f"{self.outcome}: {self.reason}" if self.reason else self.outcome
 
     def as_data(self) -> dict[str, object]:
         """For the summary."""
@@ -96,7 +122,7 @@ def judge_faults(bag: Bag, schedule: Sequence[FaultChoice]) -> list[FaultResult]
 
 def sentence(results: Sequence[FaultResult]) -> str:
     """All of them in a sentence for the verdict; "" where nothing was to be judged."""
-    judged = [result for result in results if result.outcome not in (UNJUDGED, EARLIER)]
+    judged = [result for result in results if result.outcome not in NOT_ASKED]
     if not judged:
         return ""
     found = sum(result.outcome == DETECTED for result in judged)
@@ -105,23 +131,57 @@ def sentence(results: Sequence[FaultResult]) -> str:
 
 
 def _came(bag: Bag) -> dict[str, Coming]:
-    """The faults that have come, by their names."""
+    """The faults that have come or were refused, by their names."""
     before = faults_before(bag.records.get(RUN_RECORD, {}))
     found = {name: Coming("", *span, is_earlier=True) for name, span in before.items()}
     if TOPIC not in bag:
         return found
+    beats = _beats(bag)
     for time, status in zip(bag[TOPIC].times.tolist(), bag[TOPIC].statuses(), strict=True):
         name = status.get("name", "")
-        if status.get("state") != GONE and name not in found:
-            found[name] = Coming(status.get("kind", ""), time)
-        elif status.get("state") == GONE and name in found:
-            found[name] = found[name]._replace(end=time)
+        known = found.get(name, NEVER)
+        if status.get("state") == GONE:
+            if known.begin is not None:
+                found[name] = known._replace(end=time)
+        elif known.begin is None:
+            why = _refusal(beats, name, time)
+            found[name] = Coming(status.get("kind", ""), None if why else time, refusal=why)
+        elif known.end is not None and not _refusal(beats, name, time):
+            found[name] = known._replace(end=None)
     return found
+
+
+def _beats(bag: Bag) -> Mapping[str, Sequence[FaultsTold]]:
+    """What the heartbeats say of faults, by role."""
+    found: dict[str, list[FaultsTold]] = {}
+    if HEARTBEATS not in bag:
+        return found
+    for time, status in zip(bag[HEARTBEATS].times.tolist(), bag[HEARTBEATS].statuses(), strict=True):
+        there, refused = status.get("faults", "").split(", "), status.get(f"refused {TOPIC}", "0")
+        told = FaultsTold(time, there, int(refused) if is_count(refused) else 0, status.get("last refusal", ""))
+        found.setdefault(status.get("name", ""), []).append(told)
+    return found
+
+
+def _refusal(beats: Mapping[str, Sequence[FaultsTold]], name: str, time: float) -> str:
+    """Why a fault that was to come at a time [s] was refused; empty where nobody says so, or it is there after all."""
+    why = ""
+    for told in beats.values():
+        before = [beat for beat in told if beat.time <= time]
+        after = [beat for beat in told if beat.time > time][:BEATS]
+        if any(name in beat.there for beat in after):
+            return ""
+        more = [beat for beat in after if before and beat.refused > before[-1].refused]
+        if more:
+            why = more[0].reason or "no reason is given"
+    return why
 
 
 def _judged(bag: Bag, name: str, came: Coming, planned: FaultChoice | None) -> FaultResult:
     begin, end = came.begin, came.end
     kind, expect = (came.kind, None) if planned is None else (planned.kind, planned.expect)
+    if planned is None and came.refusal:
+        return FaultResult(name, kind, begin, end, REFUSED, None, "", came.refusal)
     if expect is None:
         return FaultResult(name, kind, begin, end, UNJUDGED if begin is not None else ABSENT, None, "")
     words = f"{expect.says!r} in {expect.field} of {expect.topic} within {expect.within:g} s"
@@ -136,8 +196,13 @@ def _judged(bag: Bag, name: str, came: Coming, planned: FaultChoice | None) -> F
     if begin is None:
         return FaultResult(name, kind, begin, end, ABSENT, None, words)
     after = shows[0] - begin if shows else None
-    in_time = after is not None and after <= expect.within
-    return FaultResult(name, kind, begin, end, DETECTED if in_time else MISSED, after, words)
+    if after is not None and after <= expect.within:
+        return FaultResult(name, kind, begin, end, DETECTED, after, words)
+    held = sim_time(bag) - begin
+    if held < expect.within - ROUNDING_S:
+        why = f"the record ended {max(held, 0.0):.1f} s after it came"
+        return FaultResult(name, kind, begin, end, UNJUDGED, None, words, why)
+    return FaultResult(name, kind, begin, end, MISSED, after, words)
 
 
 def _shows(bag: Bag, expect: ExpectedDetection) -> list[float]:

@@ -15,6 +15,7 @@ from sojourn_bags.completeness import FOREIGN, RECORD, published_by, why_incompl
 from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.detection import judge_faults, sentence
+from sojourn_bags.extent import sim_time
 from sojourn_bags.goals import (
     ARM_TOPICS,
     DRIVE_TOPICS,
@@ -145,14 +146,6 @@ def fault_lines(summary: dict[str, Any]) -> list[str]:
 def write_summary(summary: dict[str, Any], path: Path) -> None:
     """Write a summary as JSON."""
     path.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def sim_time(bag: Bag) -> float:
-    """Last stamp of the plant's clock, or of the truth, or of anything [s]."""
-    for topic in ("/clock", "/truth/odom"):
-        if topic in bag:
-            return float(bag[topic].times.max())
-    return max((messages.log_times[-1] for messages in bag.topics.values()), default=0) / 1e9
 
 
 def distance_driven(bag: Bag) -> float:

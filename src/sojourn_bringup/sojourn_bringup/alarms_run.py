@@ -8,8 +8,9 @@ from pathlib import Path
 
 import yaml
 
+from sojourn_bags.cut_off import unless_cut_off
 from sojourn_bags.errors import BagsError
-from sojourn_bags.reading import read_bag
+from sojourn_bags.reading import Bag, read_bag
 from sojourn_bringup.alarm_lines import alarm_lines
 from sojourn_bringup.alarms import SCENARIO
 from sojourn_bringup.alarms_bag import watched_bag
@@ -31,17 +32,18 @@ def run(given: argparse.Namespace) -> int:
             print(yaml.safe_dump({name: params.model_dump(mode="json", exclude_defaults=True)
                                   for name, params in limits.items()}, sort_keys=False), end="")  # fmt: skip
             return 0
-        watch, state, log = _of_bag(given) if given.bag is not None else _of_stack(given)
+        bags = [] if given.bag is None else [read_bag(given.bag)]
+        watch, state, log = _of_bag(bags[0], given.limits) if bags else _of_stack(given)
     except (BagsError, UnknownFieldNameError) as error:
         raise UsageError(str(error)) from error
     command_line.say("\n".join(alarm_lines(watch, state)))
     if given.json is not None:
         _write(given.json, watch, state, log)
-    return 1 if state.alarms.worst is Severity.CRITICAL else 0
+    return unless_cut_off(1 if state.alarms.worst is Severity.CRITICAL else 0, bags)
 
 
-def _of_bag(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event]]:
-    watch, state, log = watched_bag(read_bag(given.bag), given.limits)
+def _of_bag(bag: Bag, limits: Path | None) -> tuple[Watch, WatchState, list[Event]]:
+    watch, state, log = watched_bag(bag, limits)
     for event in log:
         command_line.say(event.line())
     return watch, state, log

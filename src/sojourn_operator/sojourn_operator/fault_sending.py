@@ -8,14 +8,18 @@ from sojourn_contract.errors import ContractError
 from sojourn_contract.fault_messages import TOPIC, FaultEvent, fault_message, read_fault
 from sojourn_contract.heartbeat import Heartbeat, status_message
 from sojourn_contract.values import DiagnosticArray
+from sojourn_machine.fault_choice import FaultChoice
 from sojourn_machine.fault_names import FAULTS
 
-CAME, WENT, REFUSED = "it has come", "it has gone", "refused"
+CAME, WENT, REFUSED, NOT_THERE = "it has come", "it has gone", "refused", "no such fault is there"
+SCENARIO_WORDS = frozenset(FaultChoice.model_fields) - {"kind", "name"}
+"""When a fault comes and goes, and how it should show: no message says so."""
 
 
 def fault_event(given: argparse.Namespace, words: Iterable[tuple[str, str]]) -> FaultEvent:
     """What was asked for. Raises UsageError, ConfigError for words that no fault has."""
-    told = {"kind": given.kind, **_with_lists(words)}
+    all_words = {"kind": given.kind, **_with_lists(words)}
+    told = {key: text for key, text in all_words.items() if key not in SCENARIO_WORDS}
     try:
         event = read_fault(status_message(0, given.name, told))
     except ContractError as error:
@@ -24,6 +28,9 @@ def fault_event(given: argparse.Namespace, words: Iterable[tuple[str, str]]) -> 
         raise UsageError(str(error).removeprefix(f"{TOPIC}.")) from None
     if event.fault.in_scenario_alone:
         raise UsageError("allowed in a scenario alone, where whoever waits for messages that are lost or late knows it")
+    if foreign := [key for key in all_words if key in SCENARIO_WORDS]:
+        how = "by hand a fault comes at once, and goes with --gone"
+        raise UsageError(f"{' and '.join(foreign)}: allowed in a scenario alone: {how}")
     return event._replace(comes=not given.gone)
 
 
@@ -54,10 +61,16 @@ def answer_of(
     refused = 0 if old is None else old.refused.get(TOPIC, 0)
     if beat.refused.get(TOPIC, 0) > refused:
         return REFUSED, beat.values.get("last refusal", "")
-    is_there = event.name in beat.values.get("faults", "").split(", ")
-    if is_there != event.comes or beat is old:
+    if _is_there(event, beat) != event.comes or beat is old:
         return None
+    if not event.comes and old is not None and not _is_there(event, old):
+        return NOT_THERE, f"{event.name} of {beat.role}"
     return (CAME if event.comes else WENT), f"{event.name} of {beat.role}"
+
+
+def _is_there(event: FaultEvent, beat: Heartbeat) -> bool:
+    """Whether a heartbeat names a fault."""
+    return event.name in beat.values.get("faults", "").split(", ")
 
 
 def _with_lists(words: Iterable[tuple[str, str]]) -> dict[str, str]:

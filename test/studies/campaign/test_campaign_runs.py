@@ -13,8 +13,8 @@ import pytest
 from pyarrow import parquet
 
 from sojourn_config.command_errors import UsageError
-from sojourn_studies.campaign import cluster, command
-from sojourn_studies.campaign.folder import JOURNAL, WORK
+from sojourn_studies.campaign import cluster, command, conduct
+from sojourn_studies.campaign.folder import IDENTITY, JOURNAL, LOCK, WORK
 from sojourn_studies.campaign.table import TABLE
 
 CAMPAIGN = """
@@ -117,7 +117,22 @@ def test_a_scheduler_that_does_not_answer_is_named(
     campaign: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "CONNECT_S", 0.3)
+    with pytest.raises(UsageError, match="--scheduler foo: it cannot be reached"):
+        run(campaign, tmp_path / "out", "--scheduler", "foo")
     with pytest.raises(UsageError, match=r"--scheduler tcp://127\.0\.0\.1:9: it cannot be reached"):
         run(campaign, tmp_path / "out", "--scheduler", "tcp://127.0.0.1:9")
     with pytest.raises(UsageError, match="it cannot be reached"):
         run(campaign, tmp_path / "out", "--scheduler", "carrier-pigeon://x")
+    assert not (tmp_path / "out").exists(), "nothing has started"
+
+
+def test_no_table_and_no_page_are_written_of_no_runs(
+    campaign: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(conduct, "carry_out", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(campaign, tmp_path / "out", "--workers", "1")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {IDENTITY, LOCK}

@@ -48,10 +48,10 @@ def run(given: argparse.Namespace) -> int:
         return 0
     out = (given.out or repository_root() / "runs" / f"campaign_{file.stem}").expanduser().absolute()
     about = identity(config, scenarios)
-    with open_folder(out, about) as folder:
+    with _scheduler(given) as scheduler, open_folder(out, about) as folder:
         campaign = Campaign(folder, config, runs, {"name": file.stem, "description": config.description, **about})
         try:
-            campaign.carry_out(given, carry(scenarios), console)
+            campaign.carry_out(scheduler, given.workers or cores(), carry(scenarios), console)
         finally:
             campaign.write()
         campaign.tell(console)
@@ -98,14 +98,19 @@ class Campaign:
                 scenario = str(set_there.pop("scenario", named_there(draw.scenario)))
                 yield Order(draw, scenario, override_texts(set_there), self.config.keep.failures, versions)
 
-    def carry_out(self, given: argparse.Namespace, carried: CarriedFiles, console: Console) -> None:
-        """Do what is left."""
+    def carry_out(self, scheduler: Client | None, here: int, carried: CarriedFiles, console: Console) -> None:
+        """Do what is left.
+
+        Args:
+            scheduler: whose workers do it; None: processes on this machine, `here` at most.
+        """
         orders = list(self.orders())
         if not orders:
             return
         done = len(self.runs) - len(orders)
         console.print(f"campaign {self.folder.path}: {done} of {len(self.runs)} runs are done", markup=False)
-        with self._workers(given, len(orders)) as client, CampaignProgress(len(self.runs), done, console) as progress:
+        most = min(here, len(orders))
+        with self._workers(scheduler, most) as client, CampaignProgress(len(self.runs), done, console) as progress:
             stopwatch = _Stopwatch(threads(client))
 
             def take(finished: Finished) -> None:
@@ -118,7 +123,9 @@ class Campaign:
         console.print(words, markup=False)
 
     def write(self) -> None:
-        """Table, costs and page of what is done."""
+        """Table, costs and page of what is done; nothing where that is nothing."""
+        if not self.rows:
+            return
         path = self.folder.path
         write_table(path / TABLE, self.rows, schema(self.runs))
         write_costs(path / COSTS, self.folder.costs)
@@ -139,14 +146,25 @@ class Campaign:
         return CampaignFindings(self.rows, varied_keys(self.runs), len(self.runs))
 
     @contextmanager
-    def _workers(self, given: argparse.Namespace, most: int) -> Iterator[Client]:
-        if given.scheduler is not None:
-            with workers_of(given.scheduler, versions_here()) as client:
-                yield client
+    def _workers(self, scheduler: Client | None, here: int) -> Iterator[Client]:
+        if scheduler is not None:
+            yield scheduler
             return
         self.folder.work.mkdir(exist_ok=True)
-        with workers_here(min(given.workers or cores(), most), self.folder.work) as client:
+        with workers_here(here, self.folder.work) as client:
             yield client
+
+
+@contextmanager
+def _scheduler(given: argparse.Namespace) -> Iterator[Client | None]:
+    """The scheduler that was asked for, None for none: reached before a folder is made, so that a wrong one leaves
+    nothing. Raises UsageError.
+    """
+    if given.scheduler is None:
+        yield None
+        return
+    with workers_of(given.scheduler, versions_here()) as client:
+        yield client
 
 
 class _Stopwatch:
