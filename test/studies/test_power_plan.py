@@ -120,6 +120,39 @@ def test_it_prints_writes_and_draws(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert float(rows[0]["load_computer_w"]) == 30.0 and float(rows[0]["offered_w"]) == 0.0
 
 
+SHORT = ("flat_drive", "--days", "0.0005")
+NOTHING = "No source gives anything in all this time"
+
+
+@pytest.mark.parametrize(
+    ("source", "name"),
+    [
+        ("fc: {extends: ballard_mark_v, hydrogen: 0}", "fc"),
+        ("krusty: {extends: krusty, running: false}", "krusty"),
+        ("array: {extends: mer_array, normal: [0.0, 0.0, -1.0]}", "array"),
+        (
+            "array: {extends: mer_array, normal: [0.0, 0.0, -1.0]}, fc: {extends: ballard_mark_v, oxygen: 0}",
+            "array, fc",
+        ),
+    ],
+)
+def test_the_sun_is_not_blamed_for_what_gives_nothing_in_its_light(
+    source: str, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An empty tank, a reactor that stands, an array that faces the ground."""
+    assert power_plan.main([*SHORT, "--set", f"sources={{{source}}}"]) == 0
+    said = capsys.readouterr().out
+    assert f"{NOTHING} ({name})." in said and "the Sun does not shine" not in said
+
+
+def test_where_all_sources_wait_for_light_it_is_the_sun_that_does_not_shine(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    night = ("--set", "sources={array: {extends: mer_array}}", "--set", "sun.elevation_deg=-10.0")
+    assert power_plan.main([*SHORT, *night]) == 0
+    assert f"{NOTHING} (array): the Sun does not shine on the machine." in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [

@@ -166,6 +166,52 @@ def test_of_an_orbit_in_dense_air_it_is_said(capsys: pytest.CaptureFixture[str])
     assert "air" not in sheet(capsys, "moon", "--orbit", "--altitude", "100")["orbit"]
 
 
+@pytest.mark.parametrize(
+    ("body", "altitude"),
+    [("titan", "1000"), ("mars", "5000"), ("venus", "90000"), ("earth", "80000"), ("earth", "155000")],
+)
+def test_of_no_body_does_an_orbit_last_in_dense_air(
+    body: str, altitude: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    low = (body, "--orbit", "--altitude", altitude)
+    assert "too dense for an orbit to last" in sheet(capsys, *low)["orbit"]["air"]
+    assert "too dense for an orbit to last" in sheet(capsys, *low, "--eccentricity", "0.1")["orbit"]["air"]
+
+
+def test_where_air_is_not_known_it_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of Titan it is to 100 km; the Earth's is thin from 170 km on and nothing to speak of above 1000 km."""
+    assert "only up to 100 km" in sheet(capsys, "titan", "--orbit", "--altitude", "200000")["orbit"]["air"]
+    for altitude in ("170000", "408000", "36e6"):
+        assert "air" not in sheet(capsys, "earth", "--orbit", "--altitude", altitude)["orbit"]
+
+
+def test_hill_spheres_are_as_published(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of the Earth 1.5 million km, of the Moon 61 500 km, of Phobos 16.6 km from its middle."""
+    for body, beside, largest, radius in (
+        ("earth", "the Sun", 6378.1, 1.497e6),
+        ("moon", "earth", 1737.4, 61_500.0),
+        ("phobos", "mars", 13.03, 16.6),
+    ):
+        found = sheet(capsys, body, "--orbit", "--altitude", "3000")["orbit"]
+        highest = found[f"highest orbit, by the Hill sphere beside {beside}"]
+        assert highest + largest == pytest.approx(radius, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "beside"),
+    [
+        (("phobos", "--altitude", "5000"), "mars"),
+        (("moon", "--altitude", "1e9"), "earth"),
+        (("earth", "--altitude", "1e10"), "the Sun"),
+        (("itokawa", "--altitude", "1e6"), "the Sun"),
+        (("earth", "--altitude", "6e5", "--eccentricity", "0.995"), "the Sun"),
+    ],
+)
+def test_an_orbit_that_another_body_pulls_away_is_refused(arguments: tuple[str, ...], beside: str) -> None:
+    with pytest.raises(UsageError, match=f"allowed is .* Hill sphere {beside} pulls it away"):
+        site_sheet.main([*arguments, "--orbit"])
+
+
 def test_an_unknown_body_is_answered_with_the_nearest() -> None:
     with pytest.raises(ConfigError, match=r"did you mean titania\?"):
         site_sheet.main(["titaniaa"])

@@ -18,7 +18,7 @@ from sojourn_config.scenario import LoadedScenario
 from sojourn_flight.power_manager import law
 from sojourn_flight.power_manager.activities import SECONDS_PER_HOUR, Activities
 from sojourn_flight.power_manager.forecast import Forecaster, Known, first_limit, limit_text
-from sojourn_flight.power_manager.preview import Preview, PreviewState, PreviewStep
+from sojourn_flight.power_manager.preview import Around, Preview, PreviewState, PreviewStep
 from sojourn_machine.params import FloatArray
 from sojourn_machine.power.network import PowerNetwork
 from sojourn_studies.standing_draw import standing_draw
@@ -70,6 +70,8 @@ class PowerDays:
     """Of these steps in each that was asked for [1]."""
     steps: Sequence[PreviewStep]
     end: PreviewState
+    around: Around
+    """Light and warmth at the machine."""
 
     @cached_property
     def hours(self) -> FloatArray:
@@ -136,6 +138,15 @@ class PowerDays:
         return min(found, default=None)
 
     @property
+    def lies_in_the_dark(self) -> bool:
+        """Whether all sources go by light, and none falls on the machine in all this time."""
+        sources = self.scenario.power.sources.values()
+        if not sources or not all(source.takes_light for source in sources):
+            return False
+        lights = (self.around(step.time - 0.5 * self.step) for step in self.steps)  # as the steps had it
+        return not any(light.direct > 0.0 or light.diffuse > 0.0 for light in lights)
+
+    @property
     def dead_at(self) -> float | None:
         """When all stores were first empty [h]; None where they never were."""
         empty = self.hours[self.charge <= 0.0]
@@ -199,7 +210,7 @@ def power_days(scenario: LoadedScenario, days: float, step: float) -> PowerDays:
                 state = state._replace(manager=law.foreseen(params, state.manager, least))
         state, shown = preview.step(state, step)
         steps.append(shown)
-    return PowerDays(scenario, step, parts, steps, state)
+    return PowerDays(scenario, step, parts, steps, state, around)
 
 
 def steps_of_a_day(scenario: LoadedScenario, step: float) -> tuple[int, int]:

@@ -59,7 +59,8 @@ def lines(found: PowerDays) -> Iterator[str]:
     else:
         yield f"First limit: {limit.what} after {limit.hours:.2f} h."
     if scenario.power.sources and not found.offered.any():
-        yield "No source gives anything in all this time: the Sun does not shine on the machine."
+        why = ": the Sun does not shine on the machine" if found.lies_in_the_dark else ""
+        yield f"No source gives anything in all this time ({', '.join(scenario.power.sources)}){why}."
     if short := scenario.power.lasting_shortfall():
         yield f"Whatever the light, {short}."
     if found.dead_at is not None:

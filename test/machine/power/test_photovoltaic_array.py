@@ -197,6 +197,17 @@ def test_periods_shorter_than_a_second_come_to_the_same_as_seconds() -> None:
         ({"current_at_most_power": 0.53}, "less than short_circuit_current"),
         ({"voltage_at_most_power": 1.2}, "between half of open_circuit_voltage"),
         ({"voltage_at_most_power": 2.69}, "one diode with a series resistance"),
+        ({"current_at_most_power": 0.25}, "more than half of it"),
+        ({"area": 8.8e-4}, r"at most all of the light, 1\.2"),
+        ({"reference_irradiance": 400.0}, r"at most all of the light, 1\.2"),
+        ({"voltage_slope": -1.0}, "leaves an open-circuit voltage from 80 to 420 K"),
+        ({"voltage_slope": -0.1}, "leaves an open-circuit voltage"),
+        ({"voltage_slope": -0.02}, r"at 0 K a cell has at most 3 times"),
+        ({"current_slope": 0.1}, "leaves a short-circuit current from 80 to 420 K"),
+        ({"current_slope": -0.1}, "leaves a short-circuit current"),
+        ({"area": 12e-4, "voltage_slope": -0.015}, "no more than all of the light from 80 to 420 K"),
+        ({"current_at_most_power": 0.52019}, "whose bend a diode has at 80 K too"),
+        ({"reference_temperature": 1000.0}, "reference_temperature"),
     ],
 )
 def test_a_cell_that_cannot_be_is_refused(changes: dict[str, float], words: str) -> None:
@@ -204,9 +215,65 @@ def test_a_cell_that_cannot_be_is_refused(changes: dict[str, float], words: str)
         CellParams(**{**CELL.model_dump(), **changes})
 
 
+SILICON = CellParams(
+    area=0.0244, short_circuit_current=9.6, open_circuit_voltage=0.6, current_at_most_power=9.0,
+    voltage_at_most_power=0.5, current_slope=9.6e-3, voltage_slope=-2e-3, reference_irradiance=1000.0,
+    reference_temperature=298.15,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("cell", [SILICON, CELL.model_copy(update={"voltage_slope": -6.5e-3, "current_slope": 5.2e-4})])
+def test_cells_that_are_there_are_allowed(cell: CellParams) -> None:
+    """Silicon, 0.1 % more current and 2 mV less a kelvin; three junctions with -6.5 mV/K."""
+    again = CellParams(**cell.model_dump())
+    assert 0.15 < again.efficiency < again.most_of_light < 0.6
+
+
+@given(
+    cell=st.builds(
+        dict,
+        area=st.floats(1e-6, 1.0),
+        short_circuit_current=st.floats(1e-9, 100.0),
+        open_circuit_voltage=st.floats(1e-3, 100.0),
+        current=st.floats(0.5, 1.0),
+        voltage=st.floats(0.5, 1.0),
+        current_slope=st.floats(-0.009, 0.005),
+        voltage_slope=st.floats(-0.009, 0.0),
+        reference_irradiance=st.floats(1.0, 1e4),
+        reference_temperature=st.floats(80.0, 420.0),
+    ),
+    temperature=st.floats(1.0, 600.0),
+    light=st.floats(0.0, 1e4),
+)
+def test_no_cell_that_is_accepted_fails_or_makes_more_than_all_of_the_light(
+    cell: dict[str, float], temperature: float, light: float
+) -> None:
+    """Part of the light, slopes of currents and voltages: relative to the cell's own."""
+    current, voltage = cell["short_circuit_current"], cell["open_circuit_voltage"]
+    own = {
+        "current_at_most_power": cell.pop("current") * current,
+        "voltage_at_most_power": cell.pop("voltage") * voltage,
+        "current_slope": cell["current_slope"] * current,
+        "voltage_slope": cell["voltage_slope"] * voltage,
+    }
+    try:
+        made = CellParams(**{**cell, **own})
+    except ValidationError:
+        return
+    panel = array(cell=made, cells_series=1, strings=1, absorptance=1.0)
+    state = panel.initial_state()
+    power = panel.point(at(temperature), sun(light)).power
+    assert math.isfinite(panel.step(at(temperature), power, 1.0, sun(light)).temperature)
+    assert math.isfinite(panel.point(state, sun(light)).power) and power >= 0.0
+    full = panel.point(at(temperature), sun(made.reference_irradiance)).power
+    assert full <= made.most_of_light * made.reference_irradiance * made.area * (1.0 + 1e-9)
+    assert made.most_of_light <= 1.0
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
+        ({"absorptance": 0.2}, "at least 0.29"),
         ({"groups": 5}, "a divisor of cells_series"),
         ({"normal": (0.0, 0.0, 0.0)}, "a direction"),
         (

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import pytest
+from pydantic import ValidationError
 
 from sojourn_config.load import load_params
 from sojourn_machine.errors import InvalidValueError
@@ -37,3 +38,9 @@ def test_a_step_makes_it_older_and_counts_what_it_gave() -> None:
     for power, dt in ((float("nan"), 1.0), (1.0, 0.0), (1.0, float("inf"))):
         with pytest.raises(InvalidValueError):
             MMRTG.step(state, power, dt)
+
+
+@pytest.mark.parametrize("thermal", [50.0, 110.0])
+def test_no_more_power_than_heat(thermal: float) -> None:
+    with pytest.raises(ValidationError, match=r"electric_power_w = 110.*less than thermal_power_w"):
+        RadioisotopeGeneratorParams(**MMRTG.model_dump() | {"thermal_power_w": thermal})

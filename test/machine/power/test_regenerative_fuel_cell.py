@@ -98,3 +98,28 @@ def test_no_numbers_are_refused(current: float, dt: float) -> None:
 def test_voltages_that_do_not_rise_are_refused() -> None:
     with pytest.raises(ValidationError, match="voltage_full"):
         RegenerativeFuelCellParams(**(STORE.model_dump() | {"voltage_full": 20.0}))
+
+
+EASY = {"activation": 0.0, "exchange": 1.0, "resistance": 0.0}
+LOSSLESS = {"auxiliaries": 0.0, "regulator_efficiency": 1.0}
+
+
+def test_no_round_gives_more_than_it_took() -> None:
+    """Of what is allowed the best is 1, at no powers; at half of them it is less."""
+    curve = {"open_voltage": 1.031, "tafel": 0.0, "resistance": 0.0, "transport": 0.0, "transport_rate": 0.0}
+    of_cells = STORE.model_dump() | LOSSLESS | {"fuel_cell": curve}
+    with pytest.raises(ValidationError, match=r"electrolyser.reversible_voltage = 1\.0.*1\.031 V"):
+        RegenerativeFuelCellParams(**of_cells | {"electrolyser": EASY | {"reversible_voltage": 1.0}})
+    best = RegenerativeFuelCellParams(**of_cells | {"electrolyser": EASY | {"reversible_voltage": 1.031}})
+    assert best.best_round_trip == pytest.approx(1.0) and best.charging_efficiency <= 1.0 + 1e-12
+    lossy = of_cells | {"auxiliaries": 0.05, "electrolyser": EASY | {"reversible_voltage": 1.0}}
+    assert RegenerativeFuelCellParams(**lossy).charging_efficiency < 1.0
+    assert STORE.charging_efficiency < STORE.best_round_trip < 1.0
+
+
+@pytest.mark.parametrize("volts", [0.6, 0.89])
+def test_no_electrolyser_splits_water_for_nothing(volts: float) -> None:
+    """Steam at 1300 K takes 0.91 V."""
+    with pytest.raises(ValidationError, match="reversible_voltage"):
+        ElectrolyserCurve.model_validate(EASY | {"reversible_voltage": volts})
+    assert ElectrolyserCurve.model_validate(EASY | {"reversible_voltage": 0.95}).voltage(0.0) == 0.95

@@ -40,6 +40,8 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray, Params
 from sojourn_machine.power.photovoltaic_kernels import (
+    COLDEST,
+    HOTTEST,
     CellGroup,
     GroupSheet,
     group_at,
@@ -54,6 +56,12 @@ from sojourn_machine.power.surroundings import DARK, PowerSurroundings
 STEFAN_BOLTZMANN = 5.670374419e-8
 """[W/(m2 K4)] (CODATA 2018)"""
 SECONDS_PER_DAY = 86400.0
+MOST_AT_ZERO = 3.0
+"""V_oc(T) at 0 K over V_oc at most: there it is the band gap of the junctions, twice V_oc of silicon and 1.5 times that
+of gallium arsenide (Green 1982, "Solar Cells", sec. 5.3) [1]."""
+MOST_EXPONENT = 600.0
+"""Of V_oc(T)/a(T) at the coldest: of some 5 eV in three junctions it is 250. From 690 on I_0 would be 0 to a computer,
+from 709 on I_ph/I_0 beyond its numbers [1]."""
 HELD = 1.0
 """For how long temperature, dust and age are held where periods are shorter [s]: they change in minutes and days."""
 
@@ -80,14 +88,14 @@ class CellParams(Params):
     """One cell, as its data sheet has it at the reference irradiance and temperature."""
 
     area: float = Field(gt=0.0, le=1.0, description="of one cell [m2]")
-    short_circuit_current: float = Field(gt=0.0, le=100.0, description="I_sc [A]")
-    open_circuit_voltage: float = Field(gt=0.0, le=100.0, description="V_oc [V]")
+    short_circuit_current: float = Field(ge=1e-9, le=100.0, description="I_sc [A]")
+    open_circuit_voltage: float = Field(ge=1e-3, le=100.0, description="V_oc [V]")
     current_at_most_power: float = Field(gt=0.0, le=100.0, description="I_m [A]")
     voltage_at_most_power: float = Field(gt=0.0, le=100.0, description="V_m [V]")
     current_slope: float = Field(ge=-0.1, le=0.1, description="alpha, of I_sc over temperature [A/K]")
     voltage_slope: float = Field(ge=-1.0, le=0.0, description="beta, of V_oc over temperature [V/K]")
     reference_irradiance: float = Field(default=1367.0, gt=0.0, le=1e4, description="G_r [W/m2]")
-    reference_temperature: float = Field(default=301.15, gt=0.0, le=1e3, description="T_r [K]")
+    reference_temperature: float = Field(default=301.15, ge=COLDEST, le=HOTTEST, description="T_r [K]")
 
     @model_validator(mode="after")
     def _is_a_cell(self) -> Self:
@@ -97,8 +105,10 @@ class CellParams(Params):
             self.current_at_most_power,
             self.voltage_at_most_power,
         )
-        if not i_m < i_sc:
-            raise InvalidValueError("current_at_most_power", i_m, f"less than short_circuit_current = {i_sc:g} A")
+        # a curve that bends as a diode's has its most power beyond the middle of both
+        if not 0.5 * i_sc < i_m < i_sc:
+            allowed = f"less than short_circuit_current = {i_sc:g} A, more than half of it"
+            raise InvalidValueError("current_at_most_power", i_m, allowed)
         if not 0.5 * v_oc < v_m < v_oc:
             allowed = f"between half of open_circuit_voltage = {v_oc:g} V and all of it"
             raise InvalidValueError("voltage_at_most_power", v_m, allowed)
@@ -106,7 +116,55 @@ class CellParams(Params):
             raise InvalidValueError(
                 "voltage_at_most_power", v_m, "of a curve that one diode with a series resistance can have: less"
             )
+        if self.efficiency > 1.0:
+            light = self.reference_irradiance * self.area
+            raise InvalidValueError(
+                "current_at_most_power * voltage_at_most_power", i_m * v_m, f"at most all of the light, {light:g} W"
+            )
         return self
+
+    @model_validator(mode="after")
+    def _is_one_when_cold_and_when_hot(self) -> Self:
+        span = f"from {COLDEST:g} to {HOTTEST:g} K"
+        if min(self.current_at(COLDEST), self.current_at(HOTTEST)) <= 0.0:
+            allowed = f"one that leaves a short-circuit current {span}"
+            raise InvalidValueError("current_slope", self.current_slope, allowed)
+        if min(self.voltage_at(COLDEST), self.voltage_at(HOTTEST)) <= 0.0:
+            allowed = f"one that leaves an open-circuit voltage {span}"
+            raise InvalidValueError("voltage_slope", self.voltage_slope, allowed)
+        if self.voltage_at(0.0) > MOST_AT_ZERO * self.open_circuit_voltage:
+            most = (MOST_AT_ZERO - 1.0) * self.open_circuit_voltage / self.reference_temperature
+            allowed = f"at least {-most:.4g}: at 0 K a cell has at most {MOST_AT_ZERO:g} times open_circuit_voltage"
+            raise InvalidValueError("voltage_slope", self.voltage_slope, allowed)
+        if self.voltage_at(COLDEST) > MOST_EXPONENT * self.diode[0] * COLDEST / self.reference_temperature:
+            allowed = f"of a curve whose bend a diode has at {COLDEST:g} K too: less"
+            raise InvalidValueError("voltage_at_most_power", self.voltage_at_most_power, allowed)
+        if self.most_of_light > 1.0:
+            allowed = f"of a cell that makes no more than all of the light {span}"
+            raise InvalidValueError("current_slope, voltage_slope", (self.current_slope, self.voltage_slope), allowed)
+        return self
+
+    def current_at(self, temperature: float) -> float:
+        """I_sc(T), at the reference irradiance [A]."""
+        return self.short_circuit_current + self.current_slope * (temperature - self.reference_temperature)
+
+    def voltage_at(self, temperature: float) -> float:
+        """V_oc(T), likewise [V]."""
+        return self.open_circuit_voltage + self.voltage_slope * (temperature - self.reference_temperature)
+
+    @property
+    def efficiency(self) -> float:
+        """At the reference irradiance and temperature [1]."""
+        return self.current_at_most_power * self.voltage_at_most_power / (self.reference_irradiance * self.area)
+
+    @property
+    def most_of_light(self) -> float:
+        """Part of the reference irradiance that I_sc times V_oc comes to where that is most of all temperatures: more
+        than the cell makes at any [1].
+        """
+        temperatures = np.linspace(COLDEST, HOTTEST, 35)
+        most = max(self.current_at(each) * self.voltage_at(each) for each in temperatures.tolist())
+        return float(most) / (self.reference_irradiance * self.area)
 
     @cached_property
     def diode(self) -> tuple[float, float]:
@@ -173,6 +231,10 @@ class PhotovoltaicArrayParams(SourceParams):
             raise InvalidValueError("groups", self.groups, f"a divisor of cells_series = {self.cells_series}")
         if not hypot(*self.normal) > 1e-6:
             raise InvalidValueError("normal", self.normal, "a direction")
+        made = self.spectral_factor * self.cell.efficiency
+        if made > self.absorptance:
+            allowed = f"at least {made:.4g}, what its cells make of the light"
+            raise InvalidValueError("absorptance", self.absorptance, allowed)
         for shadow in self.shadows:
             if len(shadow.light) != self.groups:
                 raise InvalidValueError("shadows.light", shadow.light, f"{self.groups} numbers, one for each group")

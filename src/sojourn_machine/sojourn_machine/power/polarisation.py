@@ -25,6 +25,10 @@ HYDROGEN, OXYGEN = 2.01588e-3, 31.9988e-3
 """Molar masses of H2 and O2 [kg/mol]."""
 THERMONEUTRAL = 1.481
 """Voltage at which a cell would neither give off heat nor take it in, water liquid [V]."""
+LEAST_REVERSIBLE = 0.9
+"""Voltage under which no electrolyser splits water, at 1 bar of each gas: -dG/(2 F) of steam is 0.97 V at 1100 K, where
+cells of solid oxide work, and 0.91 V at 1300 K, hotter than any do (Chase 1998, "NIST-JANAF Thermochemical Tables",
+4th ed., H2O) [V]."""
 HYDROGEN_PER_CHARGE = HYDROGEN / (2.0 * FARADAY)
 OXYGEN_PER_CHARGE = OXYGEN / (4.0 * FARADAY)
 """Turned over in one cell [kg/C]."""
@@ -66,7 +70,9 @@ class FuelCellCurve(Params):
 class ElectrolyserCurve(Params):
     """Of one cell at its working temperature and pressure."""
 
-    reversible_voltage: float = Field(default=1.229, gt=0.5, le=2.0, description="E0 [V]")
+    reversible_voltage: float = Field(
+        default=1.229, ge=LEAST_REVERSIBLE, le=2.0, description="E0; 1.229: of liquid water at 25 C [V]"
+    )
     activation: float = Field(ge=0.0, le=0.5, description="b [V]")
     exchange: float = Field(gt=0.0, le=100.0, description="i0 [mA/cm2]")
     resistance: float = Field(ge=0.0, le=0.01, description="R [V cm2/mA]")

@@ -18,9 +18,11 @@ Valid from the fuelling on; temperature of the fins, load mismatch and start-up 
 
 from dataclasses import dataclass
 from math import expm1, log
+from typing import Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.evolution import replace
 from sojourn_machine.power.sources import SourceParams, SourcePoint, require_step
 from sojourn_machine.power.surroundings import DARK, PowerSurroundings
@@ -49,6 +51,13 @@ class RadioisotopeGeneratorParams(SourceParams):
         ge=0.0, lt=1.0, description="part of its power that the generator loses a year beside the decay of the fuel [1]"
     )
     age_years: float = Field(default=0.0, ge=0.0, le=1000.0, description="since the fuelling, at the start [year]")
+
+    @model_validator(mode="after")
+    def _turns_heat_into_power(self) -> Self:
+        if not self.electric_power_w < self.thermal_power_w:
+            allowed = f"less than thermal_power_w = {self.thermal_power_w:g} W, from which it comes"
+            raise InvalidValueError("electric_power_w", self.electric_power_w, allowed)
+        return self
 
     def initial_state(self) -> GeneratorState:
         """Of its age."""

@@ -95,6 +95,9 @@ class RegenerativeFuelCellParams(StoreParams):
             raise InvalidValueError("voltage_full", self.voltage_full, f"above voltage_empty, {self.voltage_empty} V")
         if self.most_discharge <= 0.0:
             raise InvalidValueError("condition", self._stack.worn_before, "wear [V] that leaves the cells a voltage")
+        if self.best_round_trip > 1.0:
+            allowed = f"at least what the stack gives back of it without a current, {self._best_given_back:.4g} V"
+            raise InvalidValueError("electrolyser.reversible_voltage", self.electrolyser.reversible_voltage, allowed)
         return self
 
     @property
@@ -169,6 +172,20 @@ class RegenerativeFuelCellParams(StoreParams):
         """Of a whole round at half of both powers [1]."""
         half = 0.5 * self.most_charge
         return self._energy / self.hydrogen * HYDROGEN_PER_CHARGE * -self.charge_of(-half) / half
+
+    @property
+    def _best_given_back(self) -> float:
+        """Of each charge that was split: of the cells' highest voltage, at hardly a current, less what regulator and
+        auxiliaries take on both ways [V].
+        """
+        curve, _ = worn_fuel_cell(self.fuel_cell, self._stack.worn_before, self.largest_current_density)
+        return self.passed**2 * curve.voltage(0.0)
+
+    @property
+    def best_round_trip(self) -> float:
+        """`charging_efficiency` at no powers: at any others the cells give less and the electrolyser takes more [1]."""
+        split = worn_electrolyser(self.electrolyser, self._electrolysis.worn_before)
+        return self._best_given_back / split.voltage(0.0)
 
     def initial_state(self, soc: float, temperature: float | None = None) -> RegenerativeState:
         """See `StoreParams`."""

@@ -1,6 +1,7 @@
 """A mirror that gathers sunlight on a receiver, and a heat engine on it.
 
-    Q = eta_o A_m G - eps sigma A_r (T_h^4 - T_s^4)      into the engine; A_r = A_m / C, C: concentration
+    Q = eta_o A_m G - eps sigma A_r (T_h^4 - T_s^4)      into the engine; A_r = A_m / C, C: concentration;
+                                                         the loss is at least 0: hotter surroundings feed no engine
     P = f (1 - T_c / T_h) eta_g Q                        f: part of Carnot's efficiency; eta_g: generator
 
 The engine holds the temperature T_h of the receiver; where what it would lose is more than what comes in it stands
@@ -63,7 +64,8 @@ class SolarConcentratorParams(SourceParams):
         """What the engine gets in a beam [W/m2] at temperatures of receiver and surroundings [K]; at least 0 [W]."""
         area = self.mirror_area / self.concentration
         lost = self.receiver_emissivity * STEFAN_BOLTZMANN * area * (receiver**4 - around**4)
-        return max(self.optical_efficiency * self.mirror_area * light - lost, 0.0)
+        # what hotter surroundings would give is no sunlight, and the engine's cold end stands in them too
+        return max(self.optical_efficiency * self.mirror_area * light - max(lost, 0.0), 0.0)
 
     def power(self, light: float, receiver: float, around: float) -> float:
         """Likewise, to the bus [W]."""
