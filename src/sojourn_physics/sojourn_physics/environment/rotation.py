@@ -12,7 +12,9 @@ class RotationParams(Params):
     """Rotation of a body. A moon that shows its planet one face turns once a month."""
 
     sidereal_hours: float = Field(description="one turn against the stars; westward, as of Venus, negative [h]")
-    locked: bool = Field(default=False, description="a moon's: its meridian of longitude 0 stays under its planet")
+    locked: bool | None = Field(
+        default=None, description="a moon's: its meridian of longitude 0 stays under its planet; none: it does not"
+    )
 
     @field_validator("sidereal_hours")
     @classmethod

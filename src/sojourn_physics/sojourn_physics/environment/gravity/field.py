@@ -6,7 +6,8 @@
 for a body that turns at w about its z axis, W that turning in map, p and v a machine's place and velocity in map, R and
 r_0 of `site`. The last term of g, Coriolis's, turns what flies and does no work. t = GM/a^3 is the tide of the planet
 that a locked moon has over its x axis, at a distance a: nothing where none is known (Murray & Dermott 1999, "Solar
-System Dynamics", sec. 4.2). Left out are the eccentricity of the moon's orbit and other bodies.
+System Dynamics", sec. 4.2). Left out are the eccentricity of the moon's orbit, other bodies, and what the Earth does
+to its Moon, 2e-5 of its gravity.
 """
 
 from dataclasses import dataclass
