@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from sojourn_config.steps import StepConfig
 from sojourn_contract.goal_topics import GOAL_TOPICS
 from sojourn_contract.values import DiagnosticArray, DiagnosticStatus, Path
 from sojourn_operator.steps.say import SayStep, message_of
@@ -47,13 +48,26 @@ def test_every_topic_of_goals_can_be_said() -> None:
             message_of(row.type, {"no_such_field": 1}, 0)
 
 
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
+def test_numbers_that_json_does_not_have_come_back_from_a_recorded_step(number: str) -> None:
+    fields = {"frame": "base_link", "linear": [float(number), 0.0, 0.0], "angular": [0.0, 0.0, 0.0]}
+    step = StepConfig.model_validate({"say": {"to": "/cmd_vel", "fields": fields}})
+    recorded = step.model_dump_json()
+    assert StepConfig.model_validate_json(recorded) == step
+    assert step.action.fields["linear"] == [number, 0.0, 0.0]  # as the file may spell it
+    np.testing.assert_array_equal(step.action.goal(view(SECOND)).linear, [float(number), 0.0, 0.0])
+
+
 @pytest.mark.parametrize(
     ("to", "fields", "says"),
     [
         ("/odom", {}, "/goal_pose"),
         ("/arm/taks", {}, "did you mean /arm/task"),
         ("/goal_pose", {"frame": "map", "place": [0, 0, 0]}, "did you mean frame|position"),
-        ("/goal_pose", {"position": [0, 0, 0]}, "frame"),
+        ("/goal_pose", {"position": [0, 0, 0]}, "geometry_msgs/PoseStamped: missing: frame"),
+        ("/cmd_vel", {"linear": [0.1, 0, 0]}, "fields of geometry_msgs/TwistStamped: missing: frame, angular"),
+        ("/arm/path", {"frame": "map", "poses": [{"position": [0, 0, 0]}]}, "nav_msgs/Path: missing: frame"),
+        ("/arm/path", {"frame": "map", "poses": [7]}, "nav_msgs/Path: 7: allowed is fields by their names"),
         ("/goal_pose", {"frame": "map", "position": ["far", 0, 0]}, "far"),
     ],
 )

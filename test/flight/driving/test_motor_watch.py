@@ -152,6 +152,21 @@ def test_weakness_of_all_is_not_the_failure_of_one(model: WheelDrive) -> None:
     assert motors.drive(AHEAD, 10.0)["failed_motors"] == ""
 
 
+@pytest.mark.parametrize("part", [0.0, 0.7])
+@pytest.mark.parametrize("machine", ["4 skid", "8 skid"])
+def test_half_of_the_drives_can_fail_at_once(machine: str, part: float, drive_params: DriveParams) -> None:
+    model = WheelDrive(drive_params, MACHINES[machine][0])
+    motors = Motors(model)
+    motors.drive(AHEAD, 3.0)
+    half = range(0, len(model.table), 2)
+    motors.ground_turns.update(dict.fromkeys(half, part))
+    assert motors.drive(AHEAD, 1.9)["failed_motors"] == ""
+    motors.drive(AHEAD, 0.3)  # drive_time is 2 s
+    assert np.flatnonzero(motors.state.mobility.motors.drive_failed).tolist() == list(half)
+    motors.ground_turns.clear()
+    assert motors.drive(AHEAD, 4.5)["failed_motors"] == ""
+
+
 def test_what_failed_wheels_say_is_not_believed(model: WheelDrive) -> None:
     motors = Motors(model)
     motors.drive(AHEAD, 3.0)

@@ -3,9 +3,9 @@
 A steering motor has failed if its angle is off its command by more than `steer_error` and hardly moves, for
 `steer_time` in all. A drive motor has failed if its rate misses the command by more than `rate_error`, for
 `drive_time` in all; or by a fifth of that while the ground turns it (its torque is against its command, that of the
-other wheels is not), as a dead motor is dragged along on firm ground. Where most wheels miss their rates together,
-power or slope is the reason, and no motor is blamed. Times count down as they count up, so that a moment of calm
-changes nothing and a wheel that was held up for a while is forgiven.
+other wheels is not), as a dead motor is dragged along on firm ground. Where more than half of the wheels miss
+their rates together, power or slope is the reason, and no motor is blamed. Times count down as they count up, so that
+a moment of calm changes nothing and a wheel that was held up for a while is forgiven.
 
 What follows from a failure:
 
@@ -162,7 +162,7 @@ def _does_not_follow(
         return failed  # nothing is learnt: a failed motor stays one
     miss = np.abs(commanded - rates) / np.maximum(size, SLOWEST_ERROR / rate_error)
     others = asked & ~failed
-    if np.median(miss[others] if others.any() else miss) > 0.5 * rate_error:
+    if _lower_median(miss[others] if others.any() else miss) > 0.5 * rate_error:
         return failed
     push = efforts * np.sign(commanded) if efforts.shape[0] else np.zeros_like(commanded)
     others_push = others.any() and np.median(push[others]) > 0.0
@@ -172,6 +172,12 @@ def _does_not_follow(
             dragged = others_push and push[i] < 0.0 and miss[i] > DRAGGED * rate_error
             wrong[i] = miss[i] > rate_error or dragged
     return wrong
+
+
+@njit(cache=True)
+def _lower_median(values: FloatArray) -> float:
+    """What at least half of them do not exceed: a half that follows is enough to tell who of the other half fails."""
+    return float(np.sort(values)[(values.size - 1) // 2])
 
 
 def commandable(table: FloatArray, state: MotorState) -> FloatArray:

@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from functools import cache
+from math import isfinite
 from typing import Any, NamedTuple, Self, get_args, get_origin, get_type_hints
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from sojourn_config.steps import StepProblem
 from sojourn_contract import values
@@ -28,6 +29,11 @@ class SayStep(Params, OperatorStep):
         description="of the value, by the names of sojourn_contract.values; numbers may be texts: nan"
     )
     seconds: float = Field(default=SHORTEST_S, gt=0.0, le=1e4, description="after which the operator goes on [s]")
+
+    @field_validator("fields")
+    @classmethod
+    def _spell_out(cls, fields: Words) -> Words:
+        return {name: _spelt(value) for name, value in fields.items()}
 
     @model_validator(mode="after")
     def _can_be_said(self) -> Self:
@@ -81,6 +87,15 @@ def message_of(type_name: str, words: Words, stamp: int) -> Message:
     return message
 
 
+def _spelt(told: Any) -> Any:
+    """Texts instead of the numbers that JSON does not have: a bag keeps the step as JSON, and would lose them."""
+    if isinstance(told, float) and not isfinite(told):
+        return str(told)
+    if isinstance(told, Mapping):
+        return {name: _spelt(value) for name, value in told.items()}
+    return [_spelt(value) for value in told] if isinstance(told, list | tuple) else told
+
+
 def _value(kind: Any, told: Any, stamp: int) -> Any:
     if get_origin(kind) is np.ndarray:
         return np.array([float(number) for number in told])
@@ -93,10 +108,19 @@ def _value(kind: Any, told: Any, stamp: int) -> Any:
     if kind in (int, float, str):
         return kind(told)
     hints = _fields(kind)
-    if unknown := set(told) - set(hints):
-        raise ValueError(f"{min(unknown)!r}: {names_text(min(unknown), hints)}")
+    _require_fields(kind, hints, told)
     stamped = {"stamp": stamp} if "stamp" in hints else {}
     return kind(**stamped, **{name: _value(hints[name], value, stamp) for name, value in told.items()})
+
+
+def _require_fields(kind: type[Any], hints: Mapping[str, Any], told: Any) -> None:
+    if not isinstance(told, Mapping):
+        raise ValueError(f"{told}: allowed is fields by their names")
+    if unknown := set(told) - set(hints):
+        raise ValueError(f"{min(unknown)!r}: {names_text(min(unknown), hints)}")
+    given = {"stamp", *told, *kind._field_defaults}
+    if missing := [name for name in hints if name not in given]:
+        raise ValueError(f"missing: {', '.join(missing)}")
 
 
 @cache
