@@ -1,6 +1,6 @@
 """Light at the machine where it starts: what its power manager expects, and what a plan of its days goes by."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from typing import TypeAlias
 
@@ -54,11 +54,20 @@ def lies_in_the_dark(scenario: LoadedScenario) -> bool:
     """Whether all sources of a machine go by light, and none comes to its site in the solar day from the start of the
     run on. Of the ground about it nothing is asked.
     """
-    sources = scenario.power.sources.values()
-    if not sources or not all(source.takes_light for source in sources):
+    if not goes_by_light(scenario):
         return False
     light, step = light_at_start(scenario), scenario.body.solar_day / MOMENTS
-    lights = (light(place * step) for place in range(MOMENTS))
+    return is_dark(light(place * step) for place in range(MOMENTS))
+
+
+def goes_by_light(scenario: LoadedScenario) -> bool:
+    """Whether all sources of a machine do, of which it has one at least."""
+    sources = scenario.power.sources.values()
+    return bool(sources) and all(source.takes_light for source in sources)
+
+
+def is_dark(lights: Iterable[Sunlight | PowerSurroundings]) -> bool:
+    """Whether none of them is any."""
     return all(one.direct <= 0.0 and one.diffuse <= 0.0 for one in lights)
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sojourn_config.expected_heat import heat_at_start
-from sojourn_config.expected_light import expected_light, light_at_start, light_on_machine
+from sojourn_config.expected_light import expected_light, goes_by_light, is_dark, light_at_start, light_on_machine
 from sojourn_config.scenario import LoadedScenario
 from sojourn_flight.power_manager import law
 from sojourn_flight.power_manager.activities import SECONDS_PER_HOUR, Activities
@@ -140,11 +140,8 @@ class PowerDays:
     @property
     def lies_in_the_dark(self) -> bool:
         """Whether all sources go by light, and none falls on the machine in all this time."""
-        sources = self.scenario.power.sources.values()
-        if not sources or not all(source.takes_light for source in sources):
-            return False
         lights = (self.around(step.time - 0.5 * self.step) for step in self.steps)  # as the steps had it
-        return not any(light.direct > 0.0 or light.diffuse > 0.0 for light in lights)
+        return goes_by_light(self.scenario) and is_dark(lights)
 
     @property
     def dead_at(self) -> float | None:
