@@ -9,9 +9,9 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sojourn_console.ground_samples import heights_of
 from sojourn_console.ground_tiles import GroundTiles
 from sojourn_console.picking import met_by
+from sojourn_physics.terrain.ground_samples import heights_of
 from sojourn_physics.terrain.height_field import HeightField
 
 

@@ -3,15 +3,13 @@
 import json
 import math
 
-import numpy as np
 import pytest
 
 from sojourn_config.scenario import load_scenario
-from sojourn_console.reckoning import DT, StandingGround, TripAccount, reckon
+from sojourn_console.reckoning import DT, TripAccount, reckon
 from sojourn_console.rehearsal import rehearse
 from sojourn_console.rehearsed import RECKONED
 from sojourn_flight.planning.energy_params import EnergyParams
-from sojourn_physics.terrain.height_field import HeightField
 
 COSTS = EnergyParams(
     energy_per_metre=(200.0, 250.0, 300.0, 400.0, 500.0),
@@ -24,23 +22,11 @@ COSTS = EnergyParams(
     time_per_radian=9.0,
     house_power=90.0,
 )
-SUPPORTS = np.array([(0.7, 0.5), (0.7, -0.5), (-0.7, 0.5), (-0.7, -0.5), (0.0, 0.5), (0.0, -0.5)])
 BLOCK = {"name": "block", "points": [[1.5, -2.5], [2.5, -2.5], [2.5, 0.6], [1.5, 0.6]]}
 
 
 def way(scenario: str, x: float, y: float, *others: str):
     return load_scenario(scenario, [f"steps={json.dumps([{'drive_to': {'x': x, 'y': y}}])}", *others])
-
-
-@pytest.mark.parametrize("yaw", [0.0, 1.2, -2.6])
-def test_it_stands_on_the_plane_under_its_supports(yaw: float) -> None:
-    y, x = np.mgrid[-5.0:5.01:0.1, -5.0:5.01:0.1]
-    field = HeightField(1.0 + 0.2 * x - 0.1 * y, np.zeros(x.shape, dtype=np.uint8), 0.1, -5.0, -5.0, ("one",))
-    position, roll, pitch = StandingGround(field, SUPPORTS, 0.4).pose(1.0, 2.0, yaw)
-    assert position == pytest.approx([1.0, 2.0, 1.0 + 0.2 - 0.2 + 0.4])
-    # slopes along and across its heading: of the plane's gradient (0.2, -0.1)
-    assert math.tan(-pitch) == pytest.approx(0.2 * math.cos(yaw) - 0.1 * math.sin(yaw))
-    assert math.tan(roll) == pytest.approx(-0.2 * math.sin(yaw) - 0.1 * math.cos(yaw))
 
 
 def test_what_a_way_takes_is_the_sum_of_its_costs() -> None:

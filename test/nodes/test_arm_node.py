@@ -268,6 +268,9 @@ def test_goals_that_cannot_be_are_refused_with_the_reason(arm: ArmBench, topic: 
     status = arm.goal(topic, message)
     assert status["state"] == "refused"
     assert reason in status["reason"]
+    said = arm.node.counters.last_refusal
+    assert not said or (said.startswith(topic) and reason in said), "what never comes to be planned is counted"
+    assert said.count("allowed is") <= 1, "the reason is said once"
     assert list(arm.step().position) == before
     assert arm.bench.received["/arm/status"][-1].status[0].level == b"\x01"
 

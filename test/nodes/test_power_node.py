@@ -130,6 +130,7 @@ def test_a_request_that_is_not_safe_is_refused_whole(
     assert status["request_state"] == "refused" and words in status["request_reason"]
     assert status["shed"] == "" and status["state"] == "normal"
     assert power.counters.refused == {"/power/request": 1} and words in power.counters.last_refusal
+    assert power.counters.last_refusal.count("allowed is") <= 1, "the reason is said once"
 
 
 def test_a_request_before_the_first_telemetry_is_kept(bench: Bench, power: PowerNode) -> None:

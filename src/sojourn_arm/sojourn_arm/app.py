@@ -20,7 +20,7 @@ from sojourn_contract import stamps
 from sojourn_contract.absence import given_up, last_refused, seen_usable
 from sojourn_contract.app import Answer, FlightApp, Period, Refusal
 from sojourn_contract.barrier import is_due
-from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.errors import NotCarriedOutError, RefusedMessageError
 from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import newest_cloud
 from sojourn_contract.heartbeat import status_message, status_values
@@ -149,9 +149,12 @@ class ArmApp(FlightApp[ArmAppState]):
             state = replace(state, goal=state.goal.begun(message))
             try:
                 state = replace(state, pending=self._goals.request(name, message, period.stamp, rover))
-            except (GoalRefusedError, RefusedMessageError) as refusal:
+            except RefusedMessageError as refusal:
                 state = replace(state, goal=state.goal.refused(str(refusal)))
-                refusals.append((name, RefusedMessageError(name, "goal", "refused", str(refusal))))
+                refusals.append((name, refusal))
+            except GoalRefusedError as refusal:
+                state = replace(state, goal=state.goal.refused(str(refusal)))
+                refusals.append((name, NotCarriedOutError(name, "goal", str(refusal))))
         return state
 
     def _control(self, state: ArmAppState, inputs: Mapping[str, Any], measured: Measured, rover: Rover) -> ArmAppState:

@@ -26,6 +26,7 @@ class FlightScenario(KnownMachine):
 
     Args:
         start: where the machine is said to stand at the start.
+        start_height: of base_link in map there, as it is said [m]; asks for the ground, which takes a while to make.
         sun: the date, or the Sun's place then: an ephemeris.
         activities: what is planned for the hours and days ahead.
         leaps: how the clock of the run leaps; None where it does not.
@@ -34,6 +35,7 @@ class FlightScenario(KnownMachine):
     """
 
     start: "StartConfig"
+    start_height: Callable[[], float]
     sun: SunParams
     activities: tuple[ActivityParams, ...]
     leaps: LeapParams | None = None

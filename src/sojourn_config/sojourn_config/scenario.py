@@ -18,11 +18,12 @@ from sojourn_config.load import validate
 from sojourn_config.overrides import override_document, route_overrides, split_beliefs, split_override
 from sojourn_config.paths import resolve
 from sojourn_config.scenario_checks import scenario_problems
+from sojourn_config.scenario_ground import base_height, made_ground, read_raster
 from sojourn_config.steps import FARTHEST, LONGEST, StepConfig
 from sojourn_config.yaml_file import YamlDocument
 from sojourn_flight.hazards.zone_params import KeepOutZone
 from sojourn_flight.power_manager.activities import ActivityParams
-from sojourn_machine.errors import InvalidValueError, MachineError
+from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.fault_choice import Fault
 from sojourn_machine.names import names_text
 from sojourn_machine.params import Params
@@ -165,7 +166,7 @@ class LoadedScenario(Bundle):
 
     def as_believed(self) -> FlightScenario:
         """The scenario as the roles that would fly know it: that of `load_flight`."""
-        return _flight(self.config, self if self.belief is None else self.belief)
+        return _flight(self.config, self if self.belief is None else self.belief, self.height_field)
 
     @property
     def fault_roles(self) -> frozenset[str]:
@@ -227,13 +228,7 @@ class LoadedScenario(Bundle):
         Raises:
             ConfigError: the ground cannot be made with these parameters.
         """
-        # here and not above: it loads scipy, which most nodes do not need, and each of them starts so much sooner
-        from sojourn_physics.terrain.generate import generate
-
-        try:
-            return generate(self.terrain, *self.soil_names, self.config.seed, self.raster)
-        except MachineError as error:
-            raise single(next(iter(self.files)), "terrain", self.terrain.kind, str(error)) from error
+        return made_ground(self.config, self.soil_names, self.raster, next(iter(self.files)))
 
 
 def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
@@ -264,17 +259,12 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> LoadedScenario:
         reader = BundleReader(document, path, _routed(_known_overrides(overrides))[1])
         belief = reader.read(config.machine, config.body, *soils, config.tool, config.site)
         problems += [*reader.problems, *_belief_problems(bundle, belief, document)]
-    raster, digests = None, {}
-    if config.terrain.file is not None:
-        from sojourn_config.raster_file import RasterReader  # both load scipy, and this one GDAL
-        from sojourn_config.recorded_raster import recorded_raster
-
-        raster = recorded_raster()
-        rasters = RasterReader(document, path.parent, config.terrain, config.terrain.file)
-        try:
-            raster, digests = raster or rasters.read(), rasters.digests
-        except ConfigError as error:
-            problems += error.problems
+    raster: Raster | None = None
+    digests: dict[str, str] = {}
+    try:
+        raster, digests = read_raster(config.terrain, document, path.parent)
+    except ConfigError as error:
+        problems += error.problems
     if problems or bundle is None:
         raise ConfigError(problems)
     if config.blind_drive:
@@ -308,7 +298,12 @@ def load_flight(name: str, overrides: Sequence[str] = ()) -> FlightScenario:
     known = reader.read_known(config.machine, config.body, config.tool, config.site)
     if known is None or reader.problems:
         raise ConfigError(reader.problems)
-    return _flight(config, _with_losses(_blind(known) if config.blind_drive else known, config))
+
+    def ground() -> HeightField:
+        raster, _ = read_raster(config.terrain, document, path.parent)
+        return made_ground(config, (config.soil, config.rock_soil), raster, document.file)
+
+    return _flight(config, _with_losses(_blind(known) if config.blind_drive else known, config), ground)
 
 
 def _routed(overrides: Sequence[str]) -> tuple[list[str], dict[str, list[str]]]:
@@ -334,10 +329,15 @@ def _known_overrides(overrides: Sequence[str]) -> list[str]:
     return [text for text in told if split_override(text)[0][0] not in TRUTH_ALONE] + beliefs
 
 
-def _flight(config: ScenarioConfig, known: KnownMachine) -> FlightScenario:
+def _flight(config: ScenarioConfig, known: KnownMachine, ground: Callable[[], HeightField]) -> FlightScenario:
+    def start_height() -> float:
+        start = config.start
+        return start.z if known.driving is None else base_height(ground(), known.mobility().ability, start)
+
     return FlightScenario(
         **known.known_fields(),
         start=config.start,
+        start_height=start_height,
         sun=config.sun,
         activities=config.activities,
         leaps=config.leaps,

@@ -8,11 +8,11 @@ import math
 
 import numpy as np
 
-from sojourn_console.ground_samples import between_nodes
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import seen_ground
 from sojourn_physics.imaging.scenery import sun_of
 from sojourn_physics.imaging.shadows import shadows, sunlit_ground
+from sojourn_physics.terrain.ground_samples import between_nodes
 from sojourn_physics.terrain.height_field import HeightField
 
 SUN = 3.0

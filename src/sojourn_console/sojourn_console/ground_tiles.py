@@ -18,8 +18,8 @@ from PIL import Image
 
 from sojourn_console.ground_light import GroundLight
 from sojourn_console.ground_mesh import GroundMesh
-from sojourn_console.ground_samples import heights_of
 from sojourn_machine.params import FloatArray
+from sojourn_physics.terrain.ground_samples import heights_of
 from sojourn_physics.terrain.height_field import HeightField
 
 MOST_VERTICES = 6_000

@@ -16,7 +16,6 @@ from sojourn_console.bag_feed import BagFeed
 from sojourn_console.desk import CommandDesk
 from sojourn_console.feed import Feed
 from sojourn_console.gate import GuardedServer
-from sojourn_console.ground_samples import heights_of
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import STATUSES, RunScene, after
 from sojourn_console.panels.alarms import AlarmsPanel
@@ -34,6 +33,7 @@ from sojourn_console.views.all_views import VIEWS
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.world import World
 from sojourn_operator.alarms.watch import Watch, limits_of
+from sojourn_physics.terrain.ground_samples import heights_of
 
 FRAMES = 30.0
 """Scenes a second."""

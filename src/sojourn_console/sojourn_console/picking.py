@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sojourn_console.ground_samples import heights_of
 from sojourn_machine.params import FloatArray
+from sojourn_physics.terrain.ground_samples import heights_of
 from sojourn_physics.terrain.height_field import HeightField
 
 FARTHEST = 400.0

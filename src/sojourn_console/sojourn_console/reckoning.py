@@ -19,7 +19,6 @@ from dataclasses import replace
 import numpy as np
 
 from sojourn_config.scenario import LoadedScenario
-from sojourn_console.ground_samples import heights_of
 from sojourn_console.rehearsed import RECKONED, RehearsedDrive
 from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import hazard_camera_of
@@ -37,33 +36,13 @@ from sojourn_machine.params import FloatArray
 from sojourn_operator.steps.step import RunFacts, View
 from sojourn_physics.sensors import hazcam
 from sojourn_physics.sensors.hazcam import HazcamParams, HazcamView
-from sojourn_physics.terrain.height_field import HeightField
+from sojourn_physics.terrain.standing_ground import StandingGround
 
 DT = 0.1
 """[s]"""
 STILL = 1e-3
 """Slower than this it stands [m/s], [rad/s]."""
 LONGEST_S = 7200.0
-
-
-class StandingGround:
-    """Under a machine.
-
-    Args:
-        field: the ground. supports: places in base_link, shape (n, 2) [m]. ride_height: of base_link over it [m].
-    """
-
-    def __init__(self, field: HeightField, supports: FloatArray, ride_height: float) -> None:
-        self.field, self._supports, self._ride_height = field, supports, ride_height
-        self._solve = np.linalg.pinv(np.column_stack([np.ones(len(supports)), supports]))
-
-    def pose(self, x: float, y: float, yaw: float) -> tuple[FloatArray, float, float]:
-        """Place of base_link (3,) [m], roll and pitch (nose down positive) [rad]: on the plane under its supports."""
-        cosine, sine = math.cos(yaw), math.sin(yaw)
-        ahead, left = self._supports.T
-        heights = heights_of(self.field, x + cosine * ahead - sine * left, y + sine * ahead + cosine * left)
-        height, rise, lean = (self._solve @ heights).tolist()
-        return np.array([x, y, height + self._ride_height]), math.atan(lean), -math.atan(rise)
 
 
 class TripAccount:
@@ -107,18 +86,17 @@ def reckon(loaded: LoadedScenario, look: int = 0) -> Iterator[RehearsedDrive]:
     if known.driving is None or known.drive.energy is None:
         return
     model = DriveModel(known.drive, known.mobility(), hazard_camera_of(known), keep_out=KeepOut(known.keep_out))
-    obstacles = known.drive.obstacles
-    ride_height = 0.0 if obstacles is None else obstacles.outline.ride_height  # a machine that sees nothing needs none
-    ground = StandingGround(loaded.height_field(), model.mobility.ability.supports, ride_height)
+    ability = model.mobility.ability
+    ground = StandingGround(loaded.height_field(), ability.supports, ability.ride_height)
     eyes = _Eyes(loaded, ground, look)
     action = loaded.config.steps[0].action
     start = known.start
-    state = model.initial_state(start.x, start.y, start.yaw)
+    position, roll, pitch = ground.pose(start.x, start.y, start.yaw)
+    state = model.initial_state(start.x, start.y, start.yaw, float(position[2]))
     message = action.goal(View(0, 0, {}, RunFacts()))
     goal = goal_of(action.topic, message, state.odometry, 1)
     account, found = TripAccount(known.drive.energy), RehearsedDrive(RECKONED, "moving", look=look)
     here = state.odometry
-    position, roll, pitch = ground.pose(here.x, here.y, here.yaw)
     rolling = np.isin(model.mobility.joints, [support.joint for support in known.machine.rolling])
     joints = MobilityJoints(*(np.zeros(len(rolling)) for _ in range(2)))
     for count in range(round(LONGEST_S / DT)):

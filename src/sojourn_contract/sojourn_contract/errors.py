@@ -42,6 +42,18 @@ class RefusedMessageError(ContractError):
         self.allowed = allowed
 
 
+class NotCarriedOutError(RefusedMessageError):
+    """A message that keeps its row, and of which something is asked that is not done.
+
+    Args:
+        topic: where it arrived. asked: the field that asks. reason: why not, in words.
+    """
+
+    def __init__(self, topic: str, asked: str, reason: str) -> None:
+        super().__init__(topic, asked, "refused", reason)
+        self.args = (f"{topic}: {reason}",)
+
+
 class TopicNameError(ContractError):
     """A name that no topic of a run can have."""
 

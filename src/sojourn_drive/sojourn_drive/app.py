@@ -54,7 +54,7 @@ class DriveApp(FlightApp[DriveAppState]):
 
     def __init__(self, known: FlightScenario) -> None:
         self._charges = tuple(row.name for row in table_of(known).each("/battery_state"))
-        self._start = known.start
+        self._start, self._start_height = known.start, known.start_height
         camera, pair, zones = hazard_camera_of(known), pair_place_of(known), KeepOut(known.keep_out)
         self.model = DriveModel(known.drive, known.mobility(), camera, pair, zones)
         self._body = own_body_of(known)
@@ -71,7 +71,7 @@ class DriveApp(FlightApp[DriveAppState]):
 
     def initial_state(self) -> DriveAppState:
         """Standing where the scenario has it start."""
-        drive = self.model.initial_state(self._start.x, self._start.y, self._start.yaw)
+        drive = self.model.initial_state(self._start.x, self._start.y, self._start.yaw, self._start_height())
         return DriveAppState(drive, self.model.at_rest(drive))
 
     def to_keep(self, state: DriveAppState) -> dict[str, Any]:

@@ -28,6 +28,14 @@ class BodyLayout(NamedTuple):
     tracks: Mapping[str, FloatArray]
     """Middle of the flat run of each track in base_link, shape (3,) [m], by name."""
 
+    @property
+    def ride_height(self) -> float:
+        """Height of base_link over the plane that the lowest of wheels and tracks touches, all joints at zero and the
+        machine level [m]; 0 of one that has neither.
+        """
+        wheels = [wheel.radius - float(self.joints[wheel.joint].place[2]) for wheel in self.machine.wheels]
+        return max([*wheels, *(-float(place[2]) for place in self.tracks.values())], default=0.0)
+
 
 class MachineBody(NamedTuple):
     """What a mobility is made for."""

@@ -12,7 +12,7 @@ from sojourn_config.expected_light import expected_light, light_at_start
 from sojourn_config.flight import FlightScenario
 from sojourn_contract.app import Answer, FlightApp, Period, Refusal
 from sojourn_contract.barrier import is_due
-from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.errors import NotCarriedOutError
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.messages import battery_readings, battery_state
 from sojourn_contract.run_table import table_of
@@ -155,7 +155,7 @@ class PowerApp(FlightApp[PowerState]):
                 state = replace(state, manager=manager, request=LastRequest(message.stamp, asked))
             except MachineError as refusal:
                 state = replace(state, request=LastRequest(message.stamp, refused=str(refusal)))
-                refusals.append((name, RefusedMessageError(name, "request", "refused", str(refusal))))
+                refusals.append((name, NotCarriedOutError(name, "request", str(refusal))))
         return state
 
     def _messages(

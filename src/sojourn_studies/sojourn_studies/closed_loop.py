@@ -55,7 +55,8 @@ class ClosedLoop:
         self.drive = DriveModel(params, scenario.mobility(), hazard_camera_of(scenario), pair_place_of(scenario))
         self.drive.warm_up()
         start = scenario.config.start
-        self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw)
+        height = scenario.as_believed().start_height()
+        self.drive_state = self.drive.initial_state(start.x, start.y, start.yaw, height)
         self.output: DriveOutput = self.drive.at_rest(self.drive_state)
         self.plant_output: PlantOutput | None = None
         """What the plant tells of the last period."""

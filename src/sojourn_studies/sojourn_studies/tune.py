@@ -24,7 +24,11 @@ if TYPE_CHECKING:
 SCENARIO = "flat_drive"
 LEAST_SLIP_PER_GRADE = 0.1
 """On ground that gives less the torque tells nothing: what slips there by 1 % pulls all it can [-]."""
-MEASURED_KEYS = {"mobility": ("track_ratio", "slip"), "odometry": tuple(UNMEASURED_SLIP), "energy": ()}
+MEASURED_KEYS = {
+    "mobility": ("track_ratio", "slip"),
+    "odometry": (*UNMEASURED_SLIP, "turn_drift_per_grade"),
+    "energy": (),
+}
 """Keys of the table `drive` that are measured, by their tables; of energy all."""
 
 
@@ -77,6 +81,7 @@ def measured(overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, 
     from sojourn_studies.measure_energy import cost_of_driving
     from sojourn_studies.measure_slip import expected_slip, on_plane
     from sojourn_studies.measure_traction import measured_curves
+    from sojourn_studies.measure_turn_drift import expected_drift
     from sojourn_studies.measure_turning import measured_ratio
 
     slip = expected_slip(SCENARIO, overrides, say)
@@ -89,8 +94,9 @@ def measured(overrides: Sequence[str], say: Callable[[str], None]) -> dict[str, 
     if tells_slip(scenario, slip["slip_per_grade"]):
         say("torque against slip")
         mobility["slip"] = measured_curves(SCENARIO, known, say)
+    odometry = {**slip, **expected_drift(SCENARIO, known, say)}
     say("driving up and down, turning on the spot: what it costs")
-    return {"mobility": mobility, "odometry": slip, "energy": cost_of_driving(SCENARIO, known)}
+    return {"mobility": mobility, "odometry": odometry, "energy": cost_of_driving(SCENARIO, known)}
 
 
 def tells_slip(scenario: "LoadedScenario", slip_per_grade: float) -> bool:

@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 def drive_params() -> DriveParams:
     """What the drive node ships with, for ground on which no slip is expected."""
     shipped = read_machine("explorer", "moon", "lunar_nominal").drive
-    firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0}
+    firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0, "turn_drift_per_grade": 0.0}
     return shipped.model_copy(update={"odometry": shipped.odometry.model_copy(update=firm)})
 
 

@@ -48,13 +48,13 @@ class RollingRover:
         self.camera = hazcam.hazcam_on(camera, scenario.urdf_xml)
         self.noise = hazcam.initial_state(self.camera, scenario.config.seed)
         # the ground gives no slip here
-        firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0}
+        firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0, "turn_drift_per_grade": 0.0}
         firm_ground = scenario.drive.odometry.model_copy(update=firm)
         params = with_mobility(scenario.drive, slip=None)
         params = params.model_copy(update={"odometry": firm_ground, "terrain_match": None})
         self.model = WheelDrive(params, scenario.steering, hazard_camera_of(scenario))
         start = scenario.config.start
-        self.state = self.model.initial_state(start.x, start.y, start.yaw)
+        self.state = self.model.initial_state(start.x, start.y, start.yaw, scenario.as_believed().start_height())
         self.wheels = np.array([(wheel.x, wheel.y) for wheel in scenario.steering.wheels])
         self.output: WheelOutput = self.model.at_rest(self.state)
         self.positions = np.zeros(len(self.wheels))

@@ -46,7 +46,7 @@ class Loop:
         self.noise = None if self.camera is None else hazcam.initial_state(self.camera, scenario.config.seed)
         self.model = WheelDrive(scenario.drive, scenario.steering, hazard_camera_of(scenario))
         start = scenario.config.start
-        self.drive = self.model.initial_state(start.x, start.y, start.yaw)
+        self.drive = self.model.initial_state(start.x, start.y, start.yaw, scenario.as_believed().start_height())
         wheels = scenario.machine.wheels
         self._wheels = self.plant.reference_rows([wheel.joint for wheel in wheels])
         self._steered = [place for place, wheel in enumerate(wheels) if wheel.steer_joint is not None]

@@ -26,7 +26,7 @@ STOP = PlanarTwist(0.0, 0.0, 0.0)
 def drive_of(rover: str) -> WheelDrive:
     """With no slip expected, and nothing that needs a camera."""
     scenario = load_scenario("flat_drive", [f"machine={rover}"])
-    firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0}
+    firm = {"mean_slip": 0.0, "slip_per_grade": 0.0, "side_slip_per_grade": 0.0, "turn_drift_per_grade": 0.0}
     odometry = scenario.drive.odometry.model_copy(update=firm)
     return WheelDrive(scenario.drive.model_copy(update={"odometry": odometry, "obstacles": None}), scenario.steering)
 

@@ -72,7 +72,7 @@ class Slipping:
 
 
 def go(
-    params: GoalFollowerParams, rover: Slipping, goal: Goal, longest: float = 2000.0
+    params: GoalFollowerParams, rover: Slipping, goal: Goal, longest: float = 2000.0, limits: FollowerLimits = LIMITS
 ) -> tuple[GoalOutcome, list[tuple[float, float, float]], list[FollowerState]]:
     """Drives until the goal ends; outcome, track and states."""
     state = accept(params, goal, (rover.x, rover.y, rover.yaw))
@@ -80,7 +80,7 @@ def go(
     track, states = [], []
     for _ in range(round(longest / DT)):
         moving = abs(rover.v) > 1e-3 or abs(rover.w) > 1e-3
-        result = follow(params, state, (rover.x, rover.y, wrap_angle(rover.yaw)), moving, LIMITS, DT)
+        result = follow(params, state, (rover.x, rover.y, wrap_angle(rover.yaw)), moving, limits, DT)
         if result.outcome is not None:
             return result.outcome, track, states
         assert abs(result.v_x) <= LIMITS.speed + 1e-12
@@ -93,6 +93,30 @@ def go(
 
 
 angles = st.floats(-math.pi, math.pi)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(1.0, 4.0), angles, angles, angles, st.floats(0.1, 0.3), st.floats(0.93, 1.07))
+def test_on_a_slope_it_ends_with_its_heading_where_its_turns_are_known_to_slide(
+    params: GoalFollowerParams,
+    distance: float,
+    direction: float,
+    start_yaw: float,
+    goal_yaw: float,
+    slide: float,
+    true_part: float,
+) -> None:
+    """A turn at the goal moves the rover by decimetres off it: the way to it leaves room, so far as that is known."""
+    goal = Goal.at(distance * math.cos(direction), distance * math.sin(direction), goal_yaw)
+    rover = Slipping(yaw=start_yaw, turn_slide=true_part * slide)
+    outcome, track, _ = go(params, rover, goal, limits=LIMITS._replace(slide=(0.0, -slide)))
+    assert outcome.kind == "reached", outcome
+    assert math.dist(track[-1][:2], goal.points[-1]) <= params.position_tolerance
+
+
+def test_where_its_turns_are_not_known_to_slide_it_gives_up(params: GoalFollowerParams) -> None:
+    outcome, _, _ = go(params, Slipping(turn_slide=0.4), Goal.at(1.0, 1.0, 3.1))
+    assert outcome.kind == "stopped" and "after 5 approaches" in outcome.reason
 
 
 @settings(max_examples=60, deadline=None)

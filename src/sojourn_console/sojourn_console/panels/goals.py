@@ -12,7 +12,6 @@ import viser
 from sojourn_console.draft import Draft, Kind, Point
 from sojourn_console.errors import GoalError
 from sojourn_console.far_way import FarWay
-from sojourn_console.ground_samples import heights_of
 from sojourn_console.link_words import command_words
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene
@@ -28,6 +27,7 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_operator.far_goal import closed_places
 from sojourn_operator.foresight_words import foresight_lines
+from sojourn_physics.terrain.ground_samples import heights_of
 
 LOOK, DRIVE, ROUTE, ARM, TASK = "look round", "drive to a place", "drive a route", "place the arm's tip", "arm task"
 KINDS: Mapping[str, Kind] = {DRIVE: "drive", ROUTE: "route", ARM: "arm", TASK: "task"}

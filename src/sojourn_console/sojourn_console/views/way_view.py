@@ -6,11 +6,11 @@ from typing import Any, ClassVar
 import numpy as np
 import viser
 
-from sojourn_console.ground_samples import heights_of
 from sojourn_console.model import RunScene
 from sojourn_console.views.view import BLUE, ORANGE, VIOLET, Shown, segments
 from sojourn_console.world import World
 from sojourn_machine.params import FloatArray
+from sojourn_physics.terrain.ground_samples import heights_of
 
 ABOVE = 0.04
 """How far over the ground lines are drawn [m]."""

@@ -27,3 +27,5 @@ class Ability:
     """Distance of the farthest support from base_link [m]."""
     supports: FloatArray
     """Where it stands on the ground, in base_link, shape (n, 2) [m]: on these it settles."""
+    ride_height: float = 0.0
+    """Height of base_link over the plane on which it stands [m]."""

@@ -108,6 +108,7 @@ class RollingMobility(Mobility[RollingState]):
         drive: how it is driven; its `mobility` is of kind rolling. geometry: wheels and tracks.
         loads: of the wheels, from `wheel_load_map`, shape (wheels, 3) [N]; None: slip is not estimated.
         joints: of the wheels, then of the steering; left out: those of the geometry, wheels by their own names.
+        ride_height: of base_link over the ground [m].
     """
 
     def __init__(
@@ -116,6 +117,7 @@ class RollingMobility(Mobility[RollingState]):
         geometry: SteeringGeometryParams,
         loads: FloatArray | None = None,
         joints: Sequence[str] = (),
+        ride_height: float = 0.0,
     ) -> None:
         if not isinstance(drive.mobility, RollingParams):
             raise InvalidValueError("drive.mobility", drive.mobility.kind, "rolling")
@@ -135,6 +137,7 @@ class RollingMobility(Mobility[RollingState]):
             turning_limits(self.table, self.limits, drive.follower.max_curvature),
             max(math.hypot(wheel.x, wheel.y) for wheel in geometry.wheels),
             np.array([(wheel.x, wheel.y) for wheel in geometry.wheels]),
+            ride_height,
         )
 
     @classmethod
@@ -145,7 +148,8 @@ class RollingMobility(Mobility[RollingState]):
             from sojourn_flight.mobility.wheel_load_map import wheel_load_map  # loads Pinocchio
 
             loads = wheel_load_map(body.urdf_xml, body.machine, body.gravity, body.stowed)
-        return cls(drive, steering_geometry(body.layout), loads, params.joints(body.machine))
+        joints = params.joints(body.machine)
+        return cls(drive, steering_geometry(body.layout), loads, joints, body.layout.ride_height)
 
     def initial_state(self) -> RollingState:
         """See Mobility."""

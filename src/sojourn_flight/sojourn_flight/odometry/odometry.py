@@ -9,7 +9,7 @@ SE(2),
 
 with the estimated slip s (see `slip_estimation`), or s = mean_slip + slip_per_grade g that the soil is expected to
 give on the grade g = -sin pitch (forwards), and a drift downhill of side_slip_per_grade sin roll on side slopes
-(measured for a machine and a soil; zero where unknown),
+(measured for a machine and a soil; zero where unknown), and one downhill in turns (see `turn_drift`). It is
 turned into the odom frame by Rz(yaw) Ry(pitch) Rx(roll), with the tilt from the IMU. The Euler rate of yaw is
 (w_y sin roll + w_z cos roll) / cos pitch.
 
@@ -24,6 +24,9 @@ gyro gain g = dt cos roll / cos pitch:
 
 Q: travel_sigma^2 per metre and turn_sigma^2 per radian in x and y; gyro random walk per second (or wheel_yaw_sigma^2
 per metre); the bias walks; slip and drift are renewed so that their variances stay slip_sigma^2 and side_slip_sigma^2.
+What is expected of a slope is off by slope_error of itself besides, as its soil is another than that of the
+measurement: slip_sigma and side_slip_sigma grow by it, and of the drift downhill in turns, D_t in all (it fades like
+the slip), x and y get slope_error^2 times the growth of D_t^2: errors of one sign.
 
 The sun sensor corrects heading and bias in between, see `heading_fix`; cameras pose, slip and drift, see
 `key_frames` and `visual_odometry`.
@@ -62,6 +65,7 @@ from sojourn_flight.odometry.odometry_kernels import (
     update_bias,
 )
 from sojourn_flight.odometry.odometry_params import OdometryParams
+from sojourn_flight.odometry.turn_drift import slid_in_turn
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -134,6 +138,8 @@ class OdometryState:
     """Disagreement among the wheels [m/s]."""
     yaw_rate_difference: float
     """Yaw rate of the wheels less that of the gyro [rad/s]; large when wheels slip."""
+    turn_drift: float
+    """How far it is said to have drifted downhill in turns of late [m]."""
     encoder_jumps: int
     """Times a wheel position moved farther than it can; its rate was used instead [-]."""
 
@@ -143,6 +149,7 @@ def initial_odometry(
     x: float = 0.0,
     y: float = 0.0,
     yaw: float = 0.0,
+    z: float = 0.0,
     mounting: tuple[float, ...] = (),
     key_frames: int = 0,
 ) -> OdometryState:
@@ -164,7 +171,7 @@ def initial_odometry(
     return OdometryState(
         x=x,
         y=y,
-        z=0.0,
+        z=z,
         roll=0.0,
         pitch=0.0,
         yaw=wrap_angle(yaw),
@@ -183,6 +190,7 @@ def initial_odometry(
         standing_for=0.0,
         residual=0.0,
         yaw_rate_difference=0.0,
+        turn_drift=0.0,
         encoder_jumps=0,
     )
 
@@ -239,15 +247,19 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         )
 
     before, slip_error = state.covariance, state.slip_error
+    side_slip_sigma = math.hypot(
+        params.side_slip_sigma, params.slope_error * params.side_slip_per_grade * math.sin(roll)
+    )
     if motion.slip is None:
         grade = -math.sin(pitch) * (1.0 if v_x >= 0.0 else -1.0)
         ground = 1.0 - min(max(params.mean_slip + params.slip_per_grade * grade, -0.5), 0.9)
-        slip_sigma, side_sigma = params.slip_sigma, params.side_slip_sigma
+        slip_sigma = math.hypot(params.slip_sigma, params.slope_error * params.slip_per_grade * math.sin(pitch))
+        side_sigma = side_slip_sigma
     else:
         ground = 1.0 - motion.slip
         over_ground = 1.0 / min(max(ground, LEAST_GROUND), 1.0)  # what is unknown of the travel is more of the way
         slip_sigma = min(max(motion.slip_sigma * over_ground, SMALLEST_SLIP_SIGMA), 1.0)
-        side_sigma = params.side_slip_sigma * over_ground
+        side_sigma = side_slip_sigma * over_ground
     if slip_sigma != state.slip_sigma:
         ratio = slip_sigma / state.slip_sigma
         before = rescaled(before, SLIP, ratio)
@@ -256,12 +268,13 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         before = rescaled(before, SIDE_SLIP, side_sigma / state.side_sigma)
     drift = (state.side_error - params.side_slip_per_grade * math.sin(roll)) * abs(v_x) * ground
     gripped = 1.0 - slip_error
-    told_x, told_y = v_x * ground, v_y * ground + drift
     pitch_rate = gyro[1] if gyro is not None else 0.0
     yaw_rate = body_rate if gyro is not None else motion.yaw_rate
     difference = motion.yaw_rate - yaw_rate
     unfelt = difference * measured.unread  # turned in a gap, which the mobility alone knows
     yaw_rate += unfelt / dt
+    slid_x, slid_y = slid_in_turn(params.turn_drift_per_grade * abs(yaw_rate), v_x, roll, pitch)
+    told_x, told_y = v_x * ground + slid_x, v_y * ground + drift + slid_y
     body_x, body_y = body_arc(float(told_x), float(told_y), float(yaw_rate * dt), float(dt))
     cos_roll, sin_roll, cos_pitch, sin_pitch = (
         math.cos(roll),
@@ -279,11 +292,16 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
     bias_gain = cos_roll / cos_pitch * dt if gyro is not None else 0.0
     kept = math.exp(-travel / params.slip_length)
     renewed = 1.0 - kept * kept
+    turn_drift = kept * state.turn_drift
+    slid = math.hypot(slid_x, slid_y) * dt
+    unsure = params.slope_error**2 * slid * (2.0 * turn_drift + slid)
     yaw_variance = gyro_variance * dt if gyro is not None else params.wheel_yaw_sigma**2 * travel
     added = AddedVariances(
         slip=slip_sigma**2 * renewed,
         side=side_sigma**2 * renewed,
-        move=params.travel_sigma**2 * travel + (params.turn_sigma**2 + motion.turn_sigma**2) * abs(yaw_rate) * dt,
+        move=params.travel_sigma**2 * travel
+        + (params.turn_sigma**2 + motion.turn_sigma**2) * abs(yaw_rate) * dt
+        + unsure,
         yaw=yaw_variance + unfelt**2,
         bias=params.gyro_bias_walk**2 * dt if gyro is not None else 0.0,
     )
@@ -311,6 +329,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         standing_for=standing_for,
         residual=residual,
         yaw_rate_difference=difference,
+        turn_drift=turn_drift + slid,
         encoder_jumps=state.encoder_jumps + motion.jumps,
     )
 
@@ -352,14 +371,15 @@ def message_covariances(params: OdometryParams, state: OdometryState, dt: float)
 
     Returns:
         That of x, y, z [m], roll, pitch, yaw [rad] in odom, and that of v_x, v_y, v_z [m/s], w_x, w_y, w_z
-        [rad/s] in base_link. Errors of height grow with distance times the error of tilt.
+        [rad/s] in base_link. Errors of height grow from that at the start with
+        distance times the error of tilt.
     """
     speed = math.hypot(state.v_x, state.v_y)
     told = speed / max(1.0 - state.slip_error, LEAST_GROUND)
     pose, twist = covariances_of(
         state.covariance,
         params.tilt_sigma,
-        float(state.distance),
+        params.start_height_sigma**2 + (params.tilt_sigma * float(state.distance)) ** 2,
         params.travel_sigma**2 * speed / dt,
         float(state.covariance[SLIP, SLIP]) * told**2,
         (state.side_sigma * speed) ** 2,

@@ -168,7 +168,7 @@ def update_all(
 def covariances_of(
     covariance: FloatArray,
     tilt_sigma: float,
-    distance: float,
+    height: float,
     white: float,
     lasting: float,
     side: float,
@@ -177,7 +177,7 @@ def covariances_of(
     """The covariances of pose and twist of a message, (6, 6) each.
 
     Args:
-        covariance: of the states. tilt_sigma: [rad]. distance: driven [m].
+        covariance: of the states. tilt_sigma: [rad]. height: variance of z [m^2].
         white, lasting, side: variances of the velocities, new in each period, of the slip, aside [m^2/s^2].
         gyro: variance [rad^2/s^2].
     """
@@ -185,7 +185,7 @@ def covariances_of(
     pose[0, 0], pose[0, 1], pose[1, 1] = covariance[0, 0], covariance[0, 1], covariance[1, 1]
     pose[0, 5], pose[1, 5], pose[5, 5] = covariance[0, 2], covariance[1, 2], covariance[2, 2]
     pose[1, 0], pose[5, 0], pose[5, 1] = pose[0, 1], pose[0, 5], pose[1, 5]
-    pose[2, 2] = START_POSITION_VARIANCE + (tilt_sigma * distance) ** 2
+    pose[2, 2] = height
     pose[3, 3] = pose[4, 4] = tilt_sigma**2
     twist[0, 0] = STANDING_RATE_VARIANCE + white + lasting
     twist[1, 1] = STANDING_RATE_VARIANCE + white + side

@@ -25,6 +25,18 @@ class OdometryParams(Params):
         le=5.0,
         description="expected drift downhill per distance, for the sine of the roll [-]",
     )
+    turn_drift_per_grade: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=50.0,
+        description="expected drift downhill per radian of a turn on the spot, for the sine of the slope [m/rad]",
+    )
+    slope_error: float = Field(
+        default=0.5,
+        ge=0.0,
+        le=2.0,
+        description="lasting error of all that is expected of a slope, as a part of it: the soil is another [-]",
+    )
     slip_sigma: float = Field(..., gt=0.0, le=1.0, description="lasting error of mean_slip [-]")
     side_slip_sigma: float = Field(..., gt=0.0, le=1.0, description="lasting sideways drift per distance [-]")
     slip_length: float = Field(
@@ -48,6 +60,9 @@ class OdometryParams(Params):
     gyro_random_walk: float = Field(..., gt=0.0, le=0.1, description="angle random walk of the gyro [rad/s^0.5]")
     gyro_bias_sigma: float = Field(..., gt=0.0, le=0.1, description="bias of the gyro before it is estimated [rad/s]")
     gyro_bias_walk: float = Field(..., gt=0.0, le=1e-3, description="random walk of the bias [rad/s/s^0.5]")
+    start_height_sigma: float = Field(
+        default=0.02, gt=0.0, le=1.0, description="error of the height at the start: what supports and soil yield [m]"
+    )
     tilt_sigma: float = Field(..., gt=0.0, le=0.5, description="error of roll and pitch [rad]")
     standing_speed: float = Field(..., gt=0.0, le=0.1, description="rim speed below which a wheel stands [m/s]")
     standing_yaw_rate: float = Field(..., gt=0.0, le=0.5, description="gyro rate below which the body stands [rad/s]")

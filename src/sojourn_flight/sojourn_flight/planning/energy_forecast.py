@@ -89,7 +89,7 @@ def forecast_way(params: EnergyParams, path: PlannedPath, goal: Goal, z: float, 
 
     Args:
         path, goal: `goal.heights` tell the ground's height at its points as far as it is known.
-        z, yaw: height [m] and heading [rad] at the start, of the same frame.
+        z, yaw: height of the ground [m] and heading [rad] at the start, of the same frame.
     """
     motion = seconds = 0.0
     for length, climb in _stretches(path, goal.heights, z):

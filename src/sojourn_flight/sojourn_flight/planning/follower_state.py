@@ -89,6 +89,8 @@ class FollowerLimits(NamedTuple):
     yaw_deceleration: float
     """Of a point turn [rad/s^2]."""
     turning: TurningLimits
+    slide: tuple[float, float] = (0.0, 0.0)
+    """By which a turn on the spot moves it here, for each radian, in odom [m/rad]."""
 
 
 class FollowerStep(NamedTuple):

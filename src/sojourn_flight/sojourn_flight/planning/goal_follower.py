@@ -12,7 +12,8 @@ Phases: align (turn on the spot to the leg's heading) -> drive -> the next leg, 
 - Turn on the spot: rate = yaw_gain x error, bounded by the limit and by sqrt(2 deceleration error).
 - A leg ends arrive_fraction x tolerance before its end. The goal is reached when the rover stands still inside the
   position (and yaw) tolerance; if not, the path is planned anew from where it stands. So it is where a rover that
-  stands is too far beside the end of its path to come back to it: a turn on the spot on a slope moves it downhill.
+  stands is too far beside the end of its path to come back to it: a turn on the spot on a slope moves it downhill. By
+  then the slope is felt, and the new path leaves room for what its two turns will do.
 - Astern the same path is driven backwards: what counts is the heading of the motion, which is that of the rover and pi.
 - It ends as stopped when there is no progress: slip scales the motion but does not change where the law leads, so
   only a rover that cannot move at all stays behind.
@@ -45,6 +46,8 @@ DRIFT_LENGTH = 0.5
 """Distance over which the drift is smoothed [m]."""
 BESIDE = 5.0
 """Times its distance from the path a rover needs to come back to it [-]."""
+AIMS = 4
+"""Times that a way is drawn anew between the turns at its ends, each of which moves the rover."""
 SAME_POINT = 1e-6
 """Points so near to each other are one [m]."""
 
@@ -203,10 +206,27 @@ def _approach(
         return state, stop(state, reason)
     if distance <= params.position_tolerance and (goal.yaw is None or limits.turning.on_the_spot):
         return _enter(state, FollowerPhase.SETTLE if goal.yaw is None else FollowerPhase.FINAL_ALIGN), None
-    path = plan_path(params, limits.turning, pose, replace(goal, points=goal.points[-1:]))
+    begin, end = _between_turns(goal, pose, limits.slide)
+    path = plan_path(params, limits.turning, begin, replace(goal, points=(end,)))
     if isinstance(path, str):
         return state, stop(state, f"{distance:.3f} m from the goal, and no path from there: {path}")
     return _on_path(params, replace(state, astern=False), path, pose), None
+
+
+def _between_turns(goal: Goal, pose: Pose, slide: tuple[float, float]) -> tuple[Pose, tuple[float, float]]:
+    """Where the rover will be when it has turned to a straight way to its goal, and where that way has to end for the
+    turn to the goal's heading to end there. slide: of a turn, see `FollowerLimits`.
+    """
+    (x, y), begin, end = goal.points[-1], pose, goal.points[-1]
+    if slide == (0.0, 0.0):
+        return begin, end
+    for _ in range(AIMS):
+        bearing = math.atan2(end[1] - begin.y, end[0] - begin.x)
+        first = abs(wrap_angle(bearing - pose.heading))
+        last = 0.0 if goal.yaw is None else abs(wrap_angle(goal.yaw - bearing))
+        begin = pose._replace(x=pose.x + first * slide[0], y=pose.y + first * slide[1])
+        end = x - last * slide[0], y - last * slide[1]
+    return begin, end
 
 
 def _is_beside(params: GoalFollowerParams, state: FollowerState) -> bool:

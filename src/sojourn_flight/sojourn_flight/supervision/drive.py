@@ -40,6 +40,7 @@ from sojourn_flight.odometry.odometry import (
     step_odometry,
 )
 from sojourn_flight.odometry.slip_estimation import SAMPLED_WITHIN
+from sojourn_flight.odometry.turn_drift import slide_of_turn
 from sojourn_flight.odometry.visual_state import VisualOdometryState, rolled_on
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.follower_params import GoalFollowerParams
@@ -72,10 +73,10 @@ LAST_STRETCH = 2.0
 class DriveModel(DrivenMachine):
     """One machine and the laws that drive it; its state is a value, see `DriveState`."""
 
-    def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> DriveState:
-        """At rest at a pose in odom [m, rad]."""
+    def initial_state(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0, z: float = 0.0) -> DriveState:
+        """At rest at a pose of base_link in odom [m, rad]."""
         mounting, terrain = mounting_variances(self.params.heading_fix), self.terrain
-        odometry = initial_odometry(self.params.odometry, x, y, yaw, mounting, self.key_frames)
+        odometry = initial_odometry(self.params.odometry, x, y, yaw, z, mounting, self.key_frames)
         avoidance = initial_avoidance(self.avoidance, x, y) if self.avoidance is not None else None
         return DriveState(
             "idle",
@@ -213,6 +214,7 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
         limits.max_deceleration,
         limits.max_deceleration / ability.turn_radius,
         ability.turning,
+        slide_of_turn(model.params.odometry.turn_drift_per_grade, odometry.roll, odometry.pitch, odometry.yaw),
     )
     pose = Pose(odometry.x, odometry.y, odometry.yaw)
     drift = None  # of a rover that hardly moves it is mostly noise

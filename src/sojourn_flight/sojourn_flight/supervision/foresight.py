@@ -56,7 +56,8 @@ def foresee(
     if isinstance(answer, FollowerState):
         path = answer.path
         if params.energy is not None:
-            forecast = forecast_way(params.energy, path, goal, here.z, here.yaw)
+            ground = here.z - model.mobility.ability.ride_height
+            forecast = forecast_way(params.energy, path, goal, ground, here.yaw)
             short = shortage(params.energy, forecast, supply) if supply is not None else None
             if short is not None:
                 answer = GoalOutcome("refused", short, goal, math.nan)
