@@ -16,6 +16,7 @@ from sojourn_contract.values import PoseStamped, PoseWithCovarianceStamped
 from sojourn_drive.app import DriveApp
 from sojourn_drive.memory import DriveAppState
 from sojourn_drive.placing import LEAST_SIGMA
+from sojourn_flight.odometry.turn_drift import downhill_of
 from sojourn_operator.goal_messages import place_message
 
 AT = 3_000_000_000
@@ -73,6 +74,7 @@ def test_what_it_has_learnt_stays_and_what_hangs_on_the_old_pose_goes(app: Drive
     after = told(app, before, word())[0].drive
     kept = after.odometry
     assert (kept.z, kept.roll, kept.gyro_bias, kept.distance) == (0.4, 0.1, 1e-4, 12.0)
+    assert kept.downhill == downhill_of(0.1, kept.pitch, kept.yaw), "the heading is another, and so is the way downhill"
     assert after.avoidance is not None and after.avoidance.map.x0 < 3.0 < after.avoidance.map.x0 + 12.0
     if kept.keys is not None:
         assert kept.keys == pytest.approx(np.array([[3.0, -2.0, 1.2]]))

@@ -13,6 +13,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import yaw_of
 from sojourn_contract.values import PoseWithCovarianceStamped
 from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
+from sojourn_flight.odometry.turn_drift import downhill_of
 from sojourn_flight.supervision.drive import DriveModel
 from sojourn_flight.supervision.drive_types import DriveState
 from sojourn_machine.evolution import replace
@@ -74,7 +75,16 @@ def placed(model: DriveModel, drive: DriveState, message: PoseWithCovarianceStam
     for place in range(_key_from(old), len(covariance), 3):
         covariance[place : place + 3, place : place + 3] = told
     odometry: OdometryState = replace(
-        old, x=x, y=y, yaw=wrap_angle(yaw), v_x=0.0, v_y=0.0, yaw_rate=0.0, covariance=covariance, keys=fresh.keys
+        old,
+        x=x,
+        y=y,
+        yaw=wrap_angle(yaw),
+        v_x=0.0,
+        v_y=0.0,
+        yaw_rate=0.0,
+        covariance=covariance,
+        keys=fresh.keys,
+        downhill=downhill_of(old.roll, old.pitch, yaw),
     )
     anew = replace(anew, odometry=odometry, mobility=drive.mobility, heading=drive.heading, text=PLACED)
     return model.in_motion(anew)

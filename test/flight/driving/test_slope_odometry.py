@@ -47,6 +47,9 @@ def turned(
     params: OdometryParams, slope: float, angle: float, v_x: float = 0.0, rate: float = RATE, gyro: bool = True
 ) -> OdometryState:
     state = initial_odometry(params)
+    still = OdometryInput(BodyMotion(0.0, 0.0, 0.0, 0.0, 0.0, True, 0), None, tilted(slope, 0.0))
+    for _ in range(round(2.0 * params.standing_time / DT)):
+        state = step_odometry(params, state, still, DT)
     for _ in range(round(abs(angle / rate) / DT)):
         roll_pitch = tilted(slope, state.yaw)
         # the gyro feels the turn about the vertical in the body's axes
@@ -75,6 +78,22 @@ def test_once_round_on_a_slope_it_has_gone_straight_downhill(
 def test_on_the_level_a_turn_moves_nothing(params: OdometryParams) -> None:
     end = turned(params, 0.0, 3.0)
     assert (end.x, end.y, end.z, end.turn_drift) == (0.0, 0.0, 0.0, 0.0)
+
+
+def test_a_body_that_leans_in_a_turn_on_the_level_stays_where_it_is(params: OdometryParams) -> None:
+    """Lunokhod's springs let it lean by three degrees when it turns."""
+    state = initial_odometry(params)
+    leaning = BodyMotion(0.0, 0.0, RATE, 0.0, 1.0, False, 0)
+    for _ in range(100):
+        state = step_odometry(params, state, OdometryInput(leaning, (0.0, 0.0, RATE), (0.05, 0.0)), DT)
+    assert math.hypot(state.x, state.y) == 0.0
+
+
+def test_the_slope_is_that_of_the_way_it_has_come(params: OdometryParams) -> None:
+    state, ahead = initial_odometry(params, yaw=0.5), BodyMotion(0.1, 0.0, 0.0, 0.0, 1.0, False, 0)
+    for _ in range(2000):
+        state = step_odometry(params, state, OdometryInput(ahead, (0.0, 0.0, 0.0), tilted(0.15, state.yaw)), DT)
+    assert state.downhill == pytest.approx((-math.sin(0.15), 0.0), abs=2e-3)
 
 
 def test_a_machine_whose_drift_is_not_known_keeps_its_place(params: OdometryParams) -> None:

@@ -65,7 +65,7 @@ from sojourn_flight.odometry.odometry_kernels import (
     update_bias,
 )
 from sojourn_flight.odometry.odometry_params import OdometryParams
-from sojourn_flight.odometry.turn_drift import slid_in_turn
+from sojourn_flight.odometry.turn_drift import Downhill, downhill_of, slid_in_turn, smoothed
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 
@@ -138,6 +138,8 @@ class OdometryState:
     """Disagreement among the wheels [m/s]."""
     yaw_rate_difference: float
     """Yaw rate of the wheels less that of the gyro [rad/s]; large when wheels slip."""
+    downhill: Downhill
+    """Slope of the ground over which it has come, see `turn_drift`."""
     turn_drift: float
     """How far it is said to have drifted downhill in turns of late [m]."""
     encoder_jumps: int
@@ -190,6 +192,7 @@ def initial_odometry(
         standing_for=0.0,
         residual=0.0,
         yaw_rate_difference=0.0,
+        downhill=(0.0, 0.0),
         turn_drift=0.0,
         encoder_jumps=0,
     )
@@ -244,6 +247,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
             standing_for=standing_for,
             residual=residual,
             yaw_rate_difference=0.0,
+            downhill=state.downhill if state.distance else downhill_of(roll, pitch, state.yaw),
         )
 
     before, slip_error = state.covariance, state.slip_error
@@ -273,7 +277,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
     difference = motion.yaw_rate - yaw_rate
     unfelt = difference * measured.unread  # turned in a gap, which the mobility alone knows
     yaw_rate += unfelt / dt
-    slid_x, slid_y = slid_in_turn(params.turn_drift_per_grade * abs(yaw_rate), v_x, roll, pitch)
+    slid_x, slid_y = slid_in_turn(params.turn_drift_per_grade * abs(yaw_rate), v_x, state.downhill, state.yaw)
     told_x, told_y = v_x * ground + slid_x, v_y * ground + drift + slid_y
     body_x, body_y = body_arc(float(told_x), float(told_y), float(yaw_rate * dt), float(dt))
     cos_roll, sin_roll, cos_pitch, sin_pitch = (
@@ -329,6 +333,7 @@ def step_odometry(params: OdometryParams, state: OdometryState, measured: Odomet
         standing_for=standing_for,
         residual=residual,
         yaw_rate_difference=difference,
+        downhill=smoothed(state.downhill, downhill_of(roll, pitch, state.yaw), abs(v_x) * dt),
         turn_drift=turn_drift + slid,
         encoder_jumps=state.encoder_jumps + motion.jumps,
     )

@@ -40,7 +40,6 @@ from sojourn_flight.odometry.odometry import (
     step_odometry,
 )
 from sojourn_flight.odometry.slip_estimation import SAMPLED_WITHIN
-from sojourn_flight.odometry.turn_drift import slide_of_turn
 from sojourn_flight.odometry.visual_state import VisualOdometryState, rolled_on
 from sojourn_flight.planning.clothoid import Pose
 from sojourn_flight.planning.follower_params import GoalFollowerParams
@@ -207,14 +206,14 @@ def _follow(model: DriveModel, arbiter: Arbiter, odometry: OdometryState, going:
         return NO_MOTION
     limits = model.params.limits
     pace = going.sight * (power if policy is None else power * speed_part(policy, slip))
-    ability = model.mobility.ability
+    ability, slides = model.mobility.ability, model.params.odometry.turn_drift_per_grade
     able = FollowerLimits(
         limits.max_speed * pace,
         min(limits.max_yaw_rate, limits.max_speed / ability.turn_radius) * pace,
         limits.max_deceleration,
         limits.max_deceleration / ability.turn_radius,
         ability.turning,
-        slide_of_turn(model.params.odometry.turn_drift_per_grade, odometry.roll, odometry.pitch, odometry.yaw),
+        (slides * odometry.downhill[0], slides * odometry.downhill[1]),
     )
     pose = Pose(odometry.x, odometry.y, odometry.yaw)
     drift = None  # of a rover that hardly moves it is mostly noise
