@@ -71,10 +71,30 @@ def test_its_bag_keeps_the_contract_and_is_told_of(gone_on: Path) -> None:
     report, _ = judge_bag(bag)
     assert not report.groups, report.groups
     summary = summarise(bag)
-    assert summary["steps_not_sent"] == 0 and not summary["goals"]
-    assert summary["verdict"] == "No goals were asked for in this record, which begins within its run."
+    assert summary["steps_not_sent"] == 0
+    (goal,) = (one["goal"] for one in summary["goals"])
+    assert goal == "drive to (0.20, 0.00), asked for before this record"
+    assert summary["verdict"].startswith(f"Under way when the record ended, 1 of 1 goals: {goal}, ")
     with pytest.raises(ReplayError, match="begins at a checkpoint"):
         script_of(bag, "drive")
+
+
+@pytest.mark.parametrize(("second", "said"), [(2, True), (12, False)])
+def test_a_goal_that_was_under_way_is_judged_in_what_goes_on(tmp_path: Path, second: int, said: bool) -> None:
+    steps = "steps=[{drive_to: {x: -0.6, y: 0.0}}, {wait_s: 8.0}]"
+    start.main(
+        ["flat_drive", "--direct", "--set", steps, "--checkpoint-every", "2", "--run-dir", str(tmp_path / "run")]
+    )
+    whole = summarise(read_bag(tmp_path / "run"))
+    assert start.main(["--resume", str(kept(tmp_path / "run", second)), "--run-dir", str(tmp_path / "on")]) == 0
+    part = summarise(read_bag(tmp_path / "on"))
+    if not said:
+        assert not part["goals"] and part["verdict"].startswith("No goals were asked for in this record")
+        return
+    (first,), (last,) = whole["goals"], part["goals"]
+    assert last["goal"] == "drive to (-0.60, 0.00), asked for before this record"
+    assert (last["outcome"], last["end_s"]) == (first["outcome"], first["end_s"]) == ("reached", first["end_s"])
+    assert last["error_m"] == pytest.approx(first["error_m"], abs=1e-9) and part["all_met"]
 
 
 def test_with_other_values_it_branches_off(unbroken: Path) -> None:

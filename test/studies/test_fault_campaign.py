@@ -41,10 +41,12 @@ def test_the_table_counts_what_was_detected_missed_and_called_falsely() -> None:
         FaultRun("course", 1, "a", result("detected", 2.0)),
         FaultRun("course", 2, "a", result("detected", 4.0)),
         FaultRun("course", 3, "a", result("missed", 9.0)),
+        FaultRun("course", 4, "a", result("not judged", None)),
+        FaultRun("course", 5, "a", result("did not come", None)),
     ]
-    assert [is_good(one) for one in runs] == [False, True, True, True, False]
+    assert [is_good(one) for one in runs] == [False, True, True, True, False, False, False]
     cells = [next(iter(column.cells)) for column in table(runs).columns]
-    assert cells == ["course", "a", "2 of 3", "2.0", "3.0", "4.0", "1", "1"]
+    assert cells == ["course", "a", "2 of 5", "2.0", "3.0", "4.0", "1", "2", "1"]
 
 
 def test_what_there_is_not_is_said(tmp_path: Path) -> None:

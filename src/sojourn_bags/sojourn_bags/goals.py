@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.machine import TrueMachine
+from sojourn_bags.onset import RESUMED
 from sojourn_bags.reading import Bag
 from sojourn_contract.stamps import NANOSECONDS
 
@@ -19,7 +21,7 @@ DRIVE_TOPICS = ("/goal_pose", "/waypoints")
 ARM_TOPICS = ("/arm/goal_pose", "/arm/joint_goal", "/arm/joint_trajectory", "/arm/path", "/arm/task")
 VELOCITIES = {"/cmd_vel": "/drive/status", "/arm/cmd_vel": "/arm/status"}
 STATUS_OF = {**dict.fromkeys(DRIVE_TOPICS, "/drive/status"), **dict.fromkeys(ARM_TOPICS, "/arm/status")}
-REACHED = "reached"
+REACHED, UNDER_WAY = "reached", "moving"
 FINAL_STATES = (REACHED, "refused", "stopped", "failed")
 REPLACED, UNFINISHED = "replaced by the next goal", "not finished"
 
@@ -96,7 +98,7 @@ def judge_goals(bag: Bag, machine: TrueMachine | None, tip_link: str, limits: Li
         machine: the true machine, None where the bag holds no truth: then no place counts as met.
         tip_link: link that the arm's goals are about. end_s: last simulation time of the bag [s].
     """
-    goals = sent_goals(bag)
+    goals = sorted([*goals_of_before(bag), *sent_goals(bag)], key=lambda goal: goal.effect_s)
     statuses = {topic: _statuses(bag, topic) for topic in set(STATUS_OF.values())}
     results = []
     for number, goal in enumerate(goals):
@@ -142,6 +144,35 @@ def sent_goals(bag: Bag) -> list[SentGoal]:
                 frame = message.poses[-1].header.frame_id
             goals.append(SentGoal(topic, stamp, log_time / NANOSECONDS, what, frame, target))
     return sorted(goals, key=lambda goal: goal.effect_s)
+
+
+def goals_of_before(bag: Bag) -> list[SentGoal]:
+    """Goals that were under way where a record begins within its run, by what drive and arm said first of them. Where
+    the drive's leads is the last pose of its first plan; of the arm's nothing is known but what it says.
+    """
+    if RESUMED not in bag.records.get(RUN_RECORD, {}):
+        return []
+    found = []
+    for name, topics in (("/drive/status", DRIVE_TOPICS), ("/arm/status", ARM_TOPICS)):
+        first = next(iter(_statuses(bag, name)), None)
+        sent = {stamp for topic in topics if topic in bag for stamp in _stamps(bag, topic)}
+        if first is None or first.state != UNDER_WAY or first.goal_stamp in sent:
+            continue
+        target = _end_of_plan(bag) if topics is DRIVE_TOPICS else None
+        where = "" if target is None else f" to ({target[0]:.2f}, {target[1]:.2f})"
+        what = f"{name.split('/')[1]}{where}, asked for before this record"
+        found.append(SentGoal(topics[0], first.goal_stamp, first.time_s, what, "odom", target))
+    return found
+
+
+def _end_of_plan(bag: Bag) -> tuple[float, float, float] | None:
+    """Last place of the first plan that has any, in odom [m]."""
+    plans = (bag["/plan"].decode(index) for index in range(len(bag["/plan"]))) if "/plan" in bag else ()
+    poses = next((plan.poses for plan in plans if plan.poses), None)
+    if poses is None:
+        return None
+    place = poses[-1].pose.position
+    return float(place.x), float(place.y), float(place.z)
 
 
 def missing_steps(step_topics: Sequence[str], goals: Sequence[SentGoal]) -> int:

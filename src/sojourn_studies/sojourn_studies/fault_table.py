@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from sojourn_bags.detection import DETECTED
+from sojourn_bags.detection import DETECTED, MISSED
 from sojourn_studies.fault_runs import NO_FAULT, FaultRun, fault_runs, judged_faults
 
 WIDTH = 120
@@ -39,8 +39,11 @@ def is_good(one: FaultRun) -> bool:
 
 
 def table(runs: Sequence[FaultRun]) -> Table:
-    """A row a scenario and fault: how often it was detected, in which times, and how often it was called falsely."""
-    drawn = Table("scenario", "fault", "detected", "least [s]", "mean [s]", "most [s]", "missed", "false alarms")
+    """A row a scenario and fault: how often it was detected, in which times, how often missed or neither (it did not
+    come, or the record does not tell), and how often it was called falsely.
+    """
+    times_of = ("least [s]", "mean [s]", "most [s]")
+    drawn = Table("scenario", "fault", "detected", *times_of, "missed", "not judged", "false alarms")
     for scenario in dict.fromkeys(one.scenario for one in runs):
         of_it = [one for one in runs if one.scenario == scenario]
         false = [one.result.fault for one in of_it if one.fault == NO_FAULT and one.result is not None]
@@ -48,9 +51,10 @@ def table(runs: Sequence[FaultRun]) -> Table:
             results = [one.result for one in of_it if one.fault == name and one.result is not None]
             times = [one.after_s for one in results if one.outcome == DETECTED and one.after_s is not None]
             told = [f"{number:.1f}" for number in (min(times), sum(times) / len(times), max(times))] if times else []
-            missed = sum(one.outcome != DETECTED for one in results)
-            counts = (f"{len(times)} of {len(results)}", *(told or ["", "", ""]), str(missed), str(false.count(name)))
-            drawn.add_row(scenario, name, *counts)
+            ended = [one.outcome for one in results]
+            neither = len(ended) - ended.count(DETECTED) - ended.count(MISSED)
+            counts = (str(number) for number in (ended.count(MISSED), neither, false.count(name)))
+            drawn.add_row(scenario, name, f"{len(times)} of {len(results)}", *(told or ["", "", ""]), *counts)
     return drawn
 
 
