@@ -29,9 +29,9 @@ MOVING = RunScene(statuses={"/drive/status": {"state": "moving"}, "/arm/status":
 
 def test_drafts_are_the_messages_of_their_topics() -> None:
     place = Draft("drive", ((2.0, 1.0, 0.7),), yaw=math.pi / 2)
-    name, goal = place.message(7, start_height=0.5)
+    name, goal = place.message(7)
     assert (name, goal.frame, goal.stamp) == ("/goal_pose", "map", 7)
-    assert goal.position == pytest.approx([2.0, 1.0, 0.2])  # heights of a goal are over that of the start
+    assert goal.position == pytest.approx([2.0, 1.0, 0.7])
     assert goal.orientation == pytest.approx([0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)])
     route = Draft("route").with_point((1.0, 0.0, 0.0)).with_point((2.0, 1.0, 0.0))
     name, way = route.message(7)

@@ -16,10 +16,6 @@ def shape(world: World) -> MachineShape:
     return MachineShape(world.scenario.urdf_xml)
 
 
-def test_it_stands_as_high_as_its_manual_says(shape: MachineShape) -> None:
-    assert shape.standing() == pytest.approx(0.47, abs=0.005)
-
-
 def test_links_are_where_the_urdf_mounts_them(world: World, shape: MachineShape) -> None:
     for link in ("hazcam_link", "imu_link"):
         rotation, position = mounting(world.scenario.urdf_xml, link)

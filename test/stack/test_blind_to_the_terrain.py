@@ -1,6 +1,8 @@
 """What would fly knows no bounds of the simulated ground: its maps lie round where it stands."""
 
 import pickle
+from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -18,9 +20,20 @@ def flying(role: str, overrides: list[str]) -> App[object]:
     return make_apps(load_scenario("lunar_sample", overrides), (role,))[role]
 
 
+def untold_of_height(app: App[Any]) -> Any:
+    """Its first state without the height at which it is said to stand, which is all that it is told of the ground."""
+    state = app.initial_state()
+    if not hasattr(state, "drive"):
+        return state
+    odometry = replace(state.drive.odometry, z=0.0)
+    return replace(
+        state, drive=replace(state.drive, odometry=odometry), output=replace(state.output, odometry=odometry)
+    )
+
+
 @pytest.mark.parametrize("role", ["drive", "arm", "power"])
 def test_its_first_state_is_the_same_on_any_ground(role: str) -> None:
-    here, there = (pickle.dumps(flying(role, overrides).initial_state()) for overrides in ([], ELSEWHERE))
+    here, there = (pickle.dumps(untold_of_height(flying(role, overrides))) for overrides in ([], ELSEWHERE))
     assert here == there
 
 

@@ -48,18 +48,18 @@ class CommandDesk:
     """Of one run.
 
     Args:
-        mouth: to the run. start_height: of the ground at the start of the run [m].
+        mouth: to the run.
     """
 
-    def __init__(self, mouth: Mouth, start_height: float = 0.0) -> None:
-        self._mouth, self._start_height = mouth, start_height
+    def __init__(self, mouth: Mouth) -> None:
+        self._mouth = mouth
         self.driven: Sent | None = None
         self._arm_is_paused = False
 
     def send(self, draft: Draft) -> int:
         """Send a goal. Returns its stamp [ns], by which its role reports on it. Raises GoalError."""
         stamp = self._mouth.now
-        self._mouth.send(*draft.message(stamp, self._start_height))
+        self._mouth.send(*draft.message(stamp))
         if draft.is_way:
             self.driven = Sent(draft, stamp)
         return stamp
@@ -67,7 +67,7 @@ class CommandDesk:
     def ask(self, draft: Draft) -> int:
         """Ask the drive what a goal would take. Returns the stamp of the question [ns]. Raises GoalError."""
         stamp = self._mouth.now
-        self._mouth.send(QUESTION, draft.question(stamp, self._start_height))
+        self._mouth.send(QUESTION, draft.question(stamp))
         return stamp
 
     def stop(self) -> tuple[str, ...]:

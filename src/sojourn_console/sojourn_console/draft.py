@@ -107,19 +107,19 @@ class Draft:
             x, y, _ = self.points[inside[0]]
             raise GoalError(f"({x:.2f}, {y:.2f})", f"it lies in the keep-out zone {inside[1].name}")
 
-    def message(self, stamp: int, start_height: float = 0.0) -> tuple[str, Message]:
-        """Topic and message of it. start_height: of the ground at the start of the run [m]."""
+    def message(self, stamp: int) -> tuple[str, Message]:
+        """Topic and message of it."""
         if self.kind == "task":
             return self.topic, status_message(stamp, self.task, dict(self.values))
         if self.kind == "arm":
             return self.topic, pose_message(stamp, "base_link", self.points[0], UPRIGHT)
-        return self.topic, self._way(stamp, start_height)
+        return self.topic, self._way(stamp)
 
-    def question(self, stamp: int, start_height: float = 0.0) -> Path:
+    def question(self, stamp: int) -> Path:
         """What asks the drive what it would take. Raises GoalError for a goal of the arm."""
         if not self.is_way:
             raise GoalError(self.kind, "the drive can be asked about ways alone")
-        return question_message(self._way(stamp, start_height))
+        return question_message(self._way(stamp))
 
     def words(self) -> str:
         """What it is, in a few words."""
@@ -144,10 +144,10 @@ class Draft:
             {"drive_to": {**places[0], **yaw}} if self.kind == "drive" else {"drive_route": {"points": places, **yaw}}
         )
 
-    def _way(self, stamp: int, start_height: float) -> PoseStamped | Path:
+    def _way(self, stamp: int) -> PoseStamped | Path:
         if self.kind == "drive":
             x, y, z = self.points[0]
-            return drive_goal(stamp, (x, y), self.yaw, "map", z - start_height)
+            return drive_goal(stamp, (x, y), self.yaw, "map", z)
         return route_goal(stamp, [(x, y) for x, y, _ in self.points], self.yaw, "map")
 
 

@@ -55,18 +55,6 @@ class MachineShape:
         found = np.array(poses).reshape(-1, 7)
         return found[:, :3], found[:, [6, 3, 4, 5]]
 
-    def standing(self) -> float:
-        """Height of base_link over flat, hard ground on which its lowest part stands, all joints at zero [m]."""
-        positions, turns = self.placements({})
-        lowest = [
-            float(
-                (pinocchio.Quaternion(turn[0], turn[1], turn[2], turn[3]).matrix() @ part.vertices.T)[2].min()
-                + place[2]
-            )
-            for part, place, turn in zip(self.parts, positions, turns, strict=True)
-        ]
-        return -min(lowest, default=0.0)
-
     def link(self, name: str, joints: Mapping[str, float]) -> tuple[FloatArray, FloatArray] | None:
         """Where a link's frame is in base_link: position (3,) [m], rotation (3, 3); None without such a link."""
         if not self._model.existFrame(name):

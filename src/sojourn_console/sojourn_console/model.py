@@ -62,7 +62,6 @@ class RunScene:
         images: newest by topic. statuses: newest keys and values by topic. charge: by the power manager, 0 to 1.
         states: of the nodes by role, as their heartbeats tell.
         refused: messages that could not be read, by topic.
-        odom_height: of the origin of odom over that of map [m]: the drive's heights begin at zero.
     """
 
     stamp: int = 0
@@ -84,7 +83,6 @@ class RunScene:
     charge: float | None = None
     states: Mapping[str, str] = field(default_factory=dict)
     refused: Mapping[str, int] = field(default_factory=dict)
-    odom_height: float = 0.0
 
     def status(self, topic: str) -> Mapping[str, str]:
         """Keys and values of a status, none before the first."""
@@ -107,7 +105,7 @@ def after(scene: RunScene, heard: FeedMessage) -> RunScene:
 
 
 def _odometry(scene: RunScene, _: str, message: Message) -> RunScene:
-    pose = BasePose(message.position + np.array([0.0, 0.0, scene.odom_height]), message.orientation)
+    pose = BasePose(message.position, message.orientation)
     track = scene.track
     if not len(track) or float(np.hypot(*(pose.position - track[-1])[:2])) > TRACK_STEP:
         track = np.vstack([track, pose.position])[-TRACK:]

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import viser
 
 from sojourn_console.alarm_board import AlarmBoard
@@ -16,7 +15,6 @@ from sojourn_console.bag_feed import BagFeed
 from sojourn_console.desk import CommandDesk
 from sojourn_console.feed import Feed
 from sojourn_console.gate import GuardedServer
-from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import STATUSES, RunScene, after
 from sojourn_console.panels.alarms import AlarmsPanel
 from sojourn_console.panels.goals import GoalsPanel
@@ -33,7 +31,6 @@ from sojourn_console.views.all_views import VIEWS
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.world import World
 from sojourn_operator.alarms.watch import Watch, limits_of
-from sojourn_physics.terrain.ground_samples import heights_of
 
 FRAMES = 30.0
 """Scenes a second."""
@@ -66,13 +63,11 @@ class Page:
     def __init__(
         self, server: GuardedServer, world: World, feed: Feed, limits: Path | None = None, who: str = "operator"
     ) -> None:
-        start = np.array([[world.scenario.start.x], [world.scenario.start.y]])
-        height = float(heights_of(world.ground, *start)[0])
-        self._first = RunScene(odom_height=height + MachineShape(world.scenario.urdf_xml).standing())
+        self._first = RunScene()
         alarms = AlarmBoard(Watch(limits_of(world.scenario, limits), world.table), who)
         sequences = SequenceBoard(world, feed, who)
         uplink = Uplink(feed, world.scenario.link, world.table)
-        desk = CommandDesk(uplink, height)
+        desk = CommandDesk(uplink)
         self.bench = Workbench(server, world, feed, desk, alarms, sequences, uplink, scene=self._first)
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="medium")
         self._views = tuple(view(server, world) for view in VIEWS)

@@ -28,7 +28,7 @@ def parser() -> argparse.ArgumentParser:
         "--z",
         type=command_line.number,
         default=0.0,
-        help="height over the start [m], for the energy forecast; 0: not known",
+        help="height of the ground there [m], for the energy forecast; 0: not known",
     )
     drive.add_argument("--frame", default="map", help="map, odom or base_link (default: %(default)s)")
     drive.add_argument(

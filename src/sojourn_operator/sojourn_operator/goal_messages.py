@@ -30,7 +30,7 @@ def drive_goal(
 
     Args:
         stamp: of it [ns]. place: x, y [m]. yaw: wanted heading there [rad], None for any.
-        height: of the ground there over that of the start [m], 0 if it is not known.
+        height: of the ground there in the frame [m], 0 if it is not known.
     """
     return pose_message(stamp, frame, (*place, height), _heading(yaw))
 
