@@ -149,12 +149,10 @@ class ArmApp(FlightApp[ArmAppState]):
             state = replace(state, goal=state.goal.begun(message))
             try:
                 state = replace(state, pending=self._goals.request(name, message, period.stamp, rover))
-            except RefusedMessageError as refusal:
+            except (GoalRefusedError, RefusedMessageError) as refusal:
                 state = replace(state, goal=state.goal.refused(str(refusal)))
-                refusals.append((name, refusal))
-            except GoalRefusedError as refusal:
-                state = replace(state, goal=state.goal.refused(str(refusal)))
-                refusals.append((name, NotCarriedOutError(name, "goal", str(refusal))))
+                is_told = isinstance(refusal, RefusedMessageError)
+                refusals.append((name, refusal if is_told else NotCarriedOutError(name, "goal", str(refusal))))
         return state
 
     def _control(self, state: ArmAppState, inputs: Mapping[str, Any], measured: Measured, rover: Rover) -> ArmAppState:

@@ -168,11 +168,8 @@ def goals_of_before(bag: Bag) -> list[SentGoal]:
 def _end_of_plan(bag: Bag) -> tuple[float, float, float] | None:
     """Last place of the first plan that has any, in odom [m]."""
     plans = (bag["/plan"].decode(index) for index in range(len(bag["/plan"]))) if "/plan" in bag else ()
-    poses = next((plan.poses for plan in plans if plan.poses), None)
-    if poses is None:
-        return None
-    place = poses[-1].pose.position
-    return float(place.x), float(place.y), float(place.z)
+    first = next((plan for plan in plans if plan.poses), None)
+    return None if first is None else _describe("/waypoints", first)[1]
 
 
 def missing_steps(step_topics: Sequence[str], goals: Sequence[SentGoal]) -> int:

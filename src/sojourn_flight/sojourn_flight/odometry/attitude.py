@@ -18,3 +18,9 @@ def rotation_of(roll: float, pitch: float, yaw: float = 0.0) -> FloatArray:
             (-sp, cp * sr, cp * cr),
         )
     )
+
+
+def turned_in_plane(x: float, y: float, angle: float) -> tuple[float, float]:
+    """A vector in the plane turned by an angle [rad]."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return cosine * x - sine * y, sine * x + cosine * y

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sojourn_flight.hazards.stereo_camera import StereoCamera, along_rays
-from sojourn_flight.odometry.attitude import rotation_of
+from sojourn_flight.odometry.attitude import rotation_of, turned_in_plane
 from sojourn_flight.odometry.ground_surface import GroundSurface, surface_through
 from sojourn_flight.odometry.odometry import OdometryState, wrap_angle
 from sojourn_flight.odometry.odometry_kernels import widened
@@ -117,7 +117,7 @@ def match_ground(
         return _with_key_frame(matcher, odometry, _taken(params, state, observation, odometry))
 
     turn = wrap_angle(odometry.yaw - key[2])
-    ahead, left = _turned(odometry.x - key[0], odometry.y - key[1], -key[2])
+    ahead, left = turned_in_plane(odometry.x - key[0], odometry.y - key[1], -key[2])
     to_key = rotation_of(0.0, 0.0, turn)
     guess = np.array((ahead, left, observation.place[2] - state.level))
     heading = math.sqrt(max(_relative_heading_variance(odometry), 1e-10))
@@ -245,7 +245,7 @@ def _with_key_frame(
     x, y, level, yaw = state.observations[-1].place
     points, variances = [], []
     for observation in state.observations:
-        ahead, left = _turned(observation.place[0] - x, observation.place[1] - y, -yaw)
+        ahead, left = turned_in_plane(observation.place[0] - x, observation.place[1] - y, -yaw)
         turned = rotation_of(0.0, 0.0, wrap_angle(observation.place[3] - yaw))
         points.append(observation.points @ turned.T + np.array((ahead, left, observation.place[2] - level)))
         length = np.sqrt((observation.errors * observation.errors).sum(axis=1))
@@ -270,8 +270,3 @@ def _told(odometry: OdometryState, place: tuple[float, float]) -> tuple[float, f
 def _relative_heading_variance(odometry: OdometryState) -> float:
     covariance, key = odometry.covariance, key_place(odometry, FRAME) + 2
     return float(covariance[2, 2] + covariance[key, key] - 2.0 * covariance[2, key])
-
-
-def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
-    cosine, sine = math.cos(angle), math.sin(angle)
-    return cosine * x - sine * y, sine * x + cosine * y

@@ -17,6 +17,8 @@ whose wheels dig in, leans in a turn though its ground is level (Lunokhod by thr
 import math
 from typing import TypeAlias
 
+from sojourn_flight.odometry.attitude import turned_in_plane
+
 Downhill: TypeAlias = tuple[float, float]
 """Sines of the slope along x and y of odom, positive downhill [-]."""
 SLOPE_LENGTH = 0.5
@@ -25,9 +27,7 @@ SLOPE_LENGTH = 0.5
 
 def downhill_of(roll: float, pitch: float, yaw: float) -> Downhill:
     """Of a machine that leans as its ground does [rad]."""
-    ahead, left = math.sin(pitch), -math.sin(roll)
-    cosine, sine = math.cos(yaw), math.sin(yaw)
-    return cosine * ahead - sine * left, sine * ahead + cosine * left
+    return turned_in_plane(math.sin(pitch), -math.sin(roll), yaw)
 
 
 def smoothed(before: Downhill, now: Downhill, way: float) -> Downhill:
@@ -42,5 +42,5 @@ def slid_in_turn(scrubbed: float, v_x: float, downhill: Downhill, yaw: float) ->
         return 0.0, 0.0
     rolled = v_x / scrubbed
     speed = scrubbed / (1.0 + rolled * rolled)
-    cosine, sine = math.cos(yaw), math.sin(yaw)
-    return speed * (cosine * downhill[0] + sine * downhill[1]), speed * (cosine * downhill[1] - sine * downhill[0])
+    ahead, left = turned_in_plane(*downhill, -yaw)
+    return speed * ahead, speed * left
