@@ -14,6 +14,8 @@ from trajectory_msgs.msg import JointTrajectoryPoint
 
 LONGEST_S = 600.0
 ARM = ("arm_azimuth_joint", "arm_elevation_joint", "arm_elbow_joint", "arm_wrist_joint", "arm_turret_joint")
+FAR = 30.0
+"""So far [m] that a stack which runs as fast as it can is on its way still when a client that had to wait looks."""
 POSTURE = (1.57, 0.1, -2.7, -0.6, -1.5)
 
 
@@ -70,7 +72,7 @@ if __name__ == "__main__":
     client = Client()
     client.drive("elsewhere", 1.0, frame="moon")
     client.drive("there", 0.3)
-    client.drive("taken back", 3.0, cancel=True)
+    client.drive("taken back", FAR, cancel=True)
     client.arm("moved", POSTURE, 4)
     client.arm("too far", (9.0, *POSTURE[1:]), 4)
-    client.drive("left alone", 3.0)
+    client.drive("left alone", FAR)

@@ -34,8 +34,9 @@ def test_goals_of_front_ends_reach_the_machine(
         [sys.executable, HERE / "interfaces" / "build.py", types], capture_output=True, text=True, check=False
     )
     assert built.returncode == 0, built.stdout + built.stderr
-    endless = ("--set", "steps=[]", "--set", "duration_limit_s=100000.0")
-    start("start", SHORT_RUN, "--composed", *endless, "--domain", domain, "--run-dir", tmp_path / "run", *PATIENT)
+    endless = ("steps=[]", "duration_limit_s=100000.0", "terrain.size_x=80.0")
+    values = [word for value in endless for word in ("--set", value)]
+    start("start", SHORT_RUN, "--composed", *values, "--domain", domain, "--run-dir", tmp_path / "run", *PATIENT)
     for variable, folder in (("LD_LIBRARY_PATH", "lib"), ("PYTHONPATH", "python")):
         monkeypatch.setenv(variable, str(types / folder), prepend=os.pathsep)
     adapter = start("action_command", "--domain", domain)

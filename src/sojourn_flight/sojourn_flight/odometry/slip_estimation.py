@@ -41,6 +41,7 @@ from sojourn_flight.odometry.speed_filter import (
     bound_factor,
     carry_gravity,
     felt_rocking,
+    level_gravity,
     predict,
     rest,
     rest_share,
@@ -220,11 +221,9 @@ class SlipModel:
 def estimate_slip(model: SlipModel, state: SlipState, measured: SlipInput, dt: float) -> SlipState:
     """State after one period of `dt` [s]; `measured` has been checked by the drive."""
     if not np.count_nonzero(state.gravity):
-        roll_angle, pitch = measured.roll_pitch
-        size = float(np.linalg.norm(measured.specific_force))
-        level = math.cos(pitch)
-        down = (math.sin(pitch), -level * math.sin(roll_angle), -level * math.cos(roll_angle))
-        state = state._replace(gravity=size * np.array(down, dtype=np.float64))
+        state = state._replace(gravity=level_gravity(measured.specific_force, measured.roll_pitch))
+    elif dt > SAMPLED_WITHIN:
+        state = _levelled_anew(state, measured.roll_pitch, model.params.drift_sigma)
     return SlipState(*_period(model.machine, model.trust, state, measured, dt))
 
 
@@ -279,6 +278,18 @@ def slip_status(
     return status
 
 
+def _levelled_anew(state: SlipState, roll_pitch: tuple[float, float], sigma: float) -> SlipState:
+    """After a time in which nobody has felt how the body turned: gravity as roll and pitch tell it, and a drift of
+    which nothing is known but its sigma [m/s^2].
+    """
+    states, covariance = state.states.copy(), state.covariance.copy()
+    states[DRIFT] = 0.0
+    covariance[DRIFT], covariance[:, DRIFT] = 0.0, 0.0
+    covariance[DRIFT, DRIFT] = sigma**2
+    gravity = level_gravity(state.gravity, roll_pitch)
+    return state._replace(states=states, covariance=covariance, gravity=gravity)
+
+
 def _row(curve: TractionCurve) -> tuple[float, float, float]:
     return curve.limit, curve.softness, curve.offset
 
@@ -289,15 +300,18 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     table, rates, angles, gyro = machine.table, seen.wheel_rates, seen.steer_angles, seen.gyro
     least_speed, force_noise = trust.least_speed, trust.force_noise
     roll_angle, pitch = seen.roll_pitch
+    lasting = min(dt, SAMPLED_WITHIN)  # for which the readings speak
     share = dt / (trust.torque_lag + dt)
     rotor = trust.rotor_inertia * share / dt
     inflation = 2.0 * trust.slip_noise_time / dt
     count = table.shape[0]
     states, covariance = old.states.copy(), old.covariance.copy()
     rest_rate = old.rest_rate.copy()
-    gravity = carry_gravity(old.gravity, np.array((gyro[0] - rest_rate[0], gyro[1] - rest_rate[1], gyro[2])), dt)
+    gravity = old.gravity
+    if dt <= SAMPLED_WITHIN:
+        gravity = carry_gravity(gravity, np.array((gyro[0] - rest_rate[0], gyro[1] - rest_rate[1], gyro[2])), dt)
     felt, torques = seen.specific_force + gravity, np.empty(count)
-    rocking = felt_rocking(old.felt, felt[0], dt)
+    rocking = felt_rocking(old.felt, felt[0], lasting)
     standing, fastest = np.zeros(count), 0.0
     for i in range(count):
         late = seen.wheel_torques[i] - old.torques[i]
@@ -307,7 +321,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         standing[i] = 1.0 if rim < 0.5 * least_speed else 0.0
     v_x, v_y, _ = velocity_kernel(table, rates, angles, np.zeros(count), gyro[2], 1.0)
     wheels = math.hypot(v_x, v_y)
-    pace = old.pace + share * (wheels - old.pace)
+    pace = old.pace + lasting / (trust.torque_lag + lasting) * (wheels - old.pace)
     observable = wheels >= max(least_speed, TURNING_PART * fastest)
     ahead = np.array((v_x / wheels, v_y / wheels)) if observable else old.ahead
     ahead_x, ahead_y = ahead[0], ahead[1]
@@ -316,7 +330,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     stuck, idle, blocked = np.zeros(count), np.zeros(count), np.zeros(count)
     slip = np.zeros(count)
     shared, sigma = 0.0, 0.0
-    standing_for = old.standing_for + dt if fastest < STANDING_STILL else 0.0
+    standing_for = (old.standing_for if dt <= SAMPLED_WITHIN else 0.0) + lasting if fastest < STANDING_STILL else 0.0
     if standing_for > SETTLED_AFTER:
         if standing_for > RESTING_AFTER:
             rest(states, gravity, rest_rate, gyro, felt[1], rest_share(standing_for - RESTING_AFTER, dt))
@@ -363,7 +377,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         for i in range(count):
             expected = levers[i] * coefficient(machine.curves[kinds[i]], min(believed, 1.0))
             if expected > IDLE_EXPECTED and pulling[i] < trust.idle_torque * expected and standing[i] < 0.5:
-                idle[i] = old.idle_for[i] + dt
+                idle[i] = old.idle_for[i] + lasting
     if observable:
         way += max(states[SPEED], 0.0) * dt
     elif fastest >= least_speed:  # on the spot, out of the ruts
@@ -377,9 +391,9 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         if largest >= least_speed:
             slip[i] = (rim - over_ground) / largest * (1.0 if rim + over_ground >= 0.0 else -1.0)
         if observable and slip[i] > trust.stuck_slip and slip[i] - CERTAIN * sigma > HEADWAY_LOST:
-            stuck[i] = old.stuck_for[i] + dt
+            stuck[i] = old.stuck_for[i] + lasting
         if standing[i] > 0.5 and abs(table[i, 2] * seen.commanded_rates[i]) >= least_speed and fastest >= least_speed:
-            blocked[i] = old.blocked_for[i] + dt
+            blocked[i] = old.blocked_for[i] + lasting
     return SlipState(
         states, covariance, gravity, rest_rate, torques, rates, slip, observable, shared, sigma, ahead, rocking, way,
         pace, standing_for, stuck, idle, blocked,

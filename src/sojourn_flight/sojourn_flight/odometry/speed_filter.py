@@ -66,6 +66,15 @@ class ProcessNoise(NamedTuple):
     """Way over which a soil is forgotten [m]."""
 
 
+def level_gravity(felt: FloatArray, roll_pitch: tuple[float, float]) -> FloatArray:
+    """Gravity in base_link as roll and pitch [rad] tell it, as great as `felt`; both of shape (3,) [m/s^2]."""
+    size = float(np.linalg.norm(felt))
+    roll_angle, pitch = roll_pitch
+    level = math.cos(pitch)
+    down = (math.sin(pitch), -level * math.sin(roll_angle), -level * math.cos(roll_angle))
+    return size * np.array(down, dtype=np.float64)
+
+
 @njit(cache=True)
 def carry_gravity(gravity: FloatArray, rate: FloatArray, dt: float) -> FloatArray:
     """Gravity in base_link, shape (3,), after turning at `rate` [rad/s] for `dt`: exact for a constant rate."""
