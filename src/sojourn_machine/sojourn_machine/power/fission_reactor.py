@@ -2,7 +2,8 @@
 
     rho   = rho_rod + alpha (T - T_0)        [dollar]; alpha < 0: a hotter core is worth less
     C T'  = N - Q_e - G (T - T_s)            Q_e: what the convertors take, G: what leaks through the insulation
-    P     = f (1 - T_c / T) Q_e              f: part of Carnot's efficiency, generator included
+    P     = f (1 - T_c / T) Q_e              f: part of Carnot's efficiency, generator included; T_c: of what is around
+                                             where that is hotter
 
 and the fission power N by prompt jump and six groups of delayed neutrons (`reactor_kernels`).
 
@@ -88,22 +89,27 @@ class FissionReactorParams(SourceParams):
         idle = self.leak * (self.working_temperature - self.cold_temperature)
         return ReactorState(self.working_temperature, max(idle, LEAST) * SHARES, self.full_worth)
 
-    def efficiency(self, temperature: float) -> float:
-        """Of the convertors at a temperature of the core [K]; 0 where they stand still [1]."""
-        return (
-            self.carnot_fraction * carnot(temperature, self.cold_end) if temperature >= self.least_temperature else 0.0
-        )
+    def efficiency(self, temperature: float, around: float | None = None) -> float:
+        """Of the convertors at a temperature of the core [K]; 0 where they stand still [1].
+
+        Args:
+            around: what their cold end gives its heat to, than which it is not colder [K]; None where it is cold.
+        """
+        cold = self.cold_end if around is None else max(self.cold_end, around)
+        if temperature < self.least_temperature or temperature <= cold:
+            return 0.0
+        return self.carnot_fraction * carnot(temperature, cold)
 
     def point(self, state: ReactorState, surroundings: PowerSurroundings = DARK) -> SourcePoint:
         """What the heat pipes can carry, at the core's temperature."""
-        return SourcePoint(self.efficiency(state.temperature) * self.heat_pipe_limit)
+        return SourcePoint(self.efficiency(state.temperature, surroundings.temperature) * self.heat_pipe_limit)
 
     def step(
         self, state: ReactorState, power: float, dt: float, surroundings: PowerSurroundings = DARK
     ) -> ReactorState:
         """The core after it has given `power` [W] for `dt` [s]; the convertors' efficiency is that of its start."""
         require_step(power, dt)
-        efficiency = self.efficiency(state.temperature)
+        efficiency = self.efficiency(state.temperature, surroundings.temperature)
         drawn = power / efficiency if efficiency > 0.0 else 0.0
         count, groups = ceil(dt / LONGEST), state.groups.copy()
         temperature, rod, released = core_kernel(

@@ -64,20 +64,20 @@ class SolarConcentratorParams(SourceParams):
         """What the engine gets in a beam [W/m2] at temperatures of receiver and surroundings [K]; at least 0 [W]."""
         area = self.mirror_area / self.concentration
         lost = self.receiver_emissivity * STEFAN_BOLTZMANN * area * (receiver**4 - around**4)
-        # what hotter surroundings would give is no sunlight, and the engine's cold end stands in them too
-        return max(self.optical_efficiency * self.mirror_area * light - max(lost, 0.0), 0.0)
+        return max(self.optical_efficiency * self.mirror_area * light - lost, 0.0)
 
     def power(self, light: float, receiver: float, around: float) -> float:
         """Likewise, to the bus [W]."""
-        if receiver <= self.cold_end:
+        cold = max(self.cold_end, around)  # no end that loses heat is colder than where it goes
+        if receiver <= cold:
             return 0.0
-        best = carnot(receiver, self.cold_end) * self.engine_heat(light, receiver, around)
+        best = carnot(receiver, cold) * self.engine_heat(light, receiver, around)
         return self.carnot_fraction * self.generator_efficiency * best
 
     def best_receiver_temperature(self, light: float, around: float | None = None) -> float:
         """Temperature of the receiver at which a beam [W/m2] gives the most [K]."""
         sink = self.temperature_surroundings if around is None else around
-        return peak_of(lambda receiver: self.power(light, receiver, sink), self.cold_end, 3000.0)
+        return peak_of(lambda receiver: self.power(light, receiver, sink), max(self.cold_end, sink), 3000.0)
 
     def point(self, state: ConcentratorState, surroundings: PowerSurroundings = DARK) -> SourcePoint:
         """In the light of the moment."""
