@@ -28,4 +28,8 @@ def foresight_lines(answer: Mapping[str, str]) -> list[str]:
         lines[-1] += f" ({answer['asked_tilt']})"
     if "asked_seen" in answer:
         lines.append(f"{'ground seen:':18} {float(answer['asked_seen']):.0%} of the path")
+    limit = float(answer.get("power_limit", "1"))
+    if state == "allowed" and limit < 1.0:
+        given = f"the drive is given {limit:.0%} of it now: " + ("it goes slower" if limit > 0.0 else "it would stand")
+        lines.append(f"{'power:':18} {given}")
     return lines
