@@ -60,6 +60,22 @@ def add_machine(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--machine", metavar="NAME", help=help_text)
 
 
+def add_scenario(parser: argparse.ArgumentParser, default: str, what: str) -> None:
+    """--scenario, --machine and --set: a scenario and what is changed of it, see `changes_of`.
+
+    Args:
+        what: of it is looked at, in words.
+    """
+    parser.add_argument("--scenario", default=default, help=f"{what} (default: %(default)s)")
+    add_machine(parser)
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+
+
+def changes_of(given: argparse.Namespace) -> list[str]:
+    """The options of `add_scenario` but for its name, as overrides of a scenario."""
+    return [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
+
+
 def add_result(parser: argparse.ArgumentParser, names: str) -> None:
     """--json and --bag: where the result of a comparison goes.
 

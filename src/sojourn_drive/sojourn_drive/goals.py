@@ -5,11 +5,10 @@ status.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.messages import yaw_of
 from sojourn_contract.values import Message, Path, PoseStamped
+from sojourn_flight.odometry.attitude import turned_in_plane
 from sojourn_flight.odometry.odometry import OdometryState
 from sojourn_flight.planning.goal import Goal, GoalOutcome
 from sojourn_flight.supervision.drive_types import DriveState
@@ -108,8 +107,8 @@ def _point(topic: str, frame: str, pose: PoseStamped, here: OdometryState) -> tu
         raise RefusedMessageError(topic, "header.frame_id", repr(frame), "one of " + ", ".join(FRAMES))
     x, y = pose.position[:2].tolist()
     if frame == "base_link":
-        cosine, sine = np.cos(here.yaw), np.sin(here.yaw)
-        x, y = here.x + cosine * x - sine * y, here.y + sine * x + cosine * y
+        ahead, left = turned_in_plane(x, y, here.yaw)
+        x, y = here.x + ahead, here.y + left
     return float(x), float(y)
 
 

@@ -197,15 +197,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = command_line.Parser(
         prog="measure_arm", description="Measure how near the arm's tip comes to random targets."
     )
-    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "flat_drive", "whose machine, soil and body")
     parser.add_argument("--targets", type=int, default=50, metavar="N", help="how many (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of targets and slopes (default: %(default)s)")
     parser.add_argument("--known", type=float, default=1.0, metavar="PART", help="what the law knows of the gears (1)")
     parser.add_argument("--json", metavar="FILE", help="write every placement")
     given = parser.parse_args(arguments)
     found = []
-    for placement in placements(given.scenario, given.set, given.targets, given.seed, given.known):
+    changes = command_line.changes_of(given)
+    for placement in placements(given.scenario, changes, given.targets, given.seed, given.known):
         found.append(placement)
         print(
             f"{len(found):3d}  tilt {placement.tilt_deg:4.1f} deg: off by {1e3 * placement.distance_m:.2f} mm, "

@@ -139,11 +139,9 @@ def cost_of_driving(scenario: str, overrides: Sequence[str]) -> dict[str, float 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print, as flight.yaml has it."""
     parser = command_line.Parser(prog="measure_energy", description="Measure what driving costs.")
-    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    command_line.add_machine(parser)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "flat_drive", "whose machine, soil and body")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
+    overrides = command_line.changes_of(given)
     for name, value in cost_of_driving(given.scenario, overrides).items():
         print(f"{name}: {value}")
     return 0

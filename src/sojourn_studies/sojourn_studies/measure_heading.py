@@ -97,8 +97,7 @@ def errors(scenario: LoadedScenario, motion: RecordedMotion) -> FloatArray:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where a bound is not kept."""
     parser = command_line.Parser(prog="measure_heading", description="Error of the heading over its stated deviation.")
-    parser.add_argument("--scenario", default="lunar_sample", help="whose machine and ground (default: %(default)s)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "lunar_sample", "whose machine and ground")
     parser.add_argument(
         "--grounds", type=int, default=5, metavar="N", help="seeds of the ground (default: %(default)s)"
     )
@@ -106,12 +105,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=80.0, metavar="T", help="of a course (default: %(default)s)")
     given = parser.parse_args(arguments)
     runs = []
+    changes = command_line.changes_of(given)
     for ground in range(1, given.grounds + 1):
-        motion = drive(load_scenario(given.scenario, [BLIND, *given.set, f"seed={ground}"]), given.seconds)
+        motion = drive(load_scenario(given.scenario, [BLIND, *changes, f"seed={ground}"]), given.seconds)
         for number in range(given.sensors):
             seed = SENSOR_SEEDS + ground * given.sensors + number
             # what the wheels slip by is of no use to the heading
-            sensors = load_scenario(given.scenario, [BLIND, "drive.mobility.slip=null", *given.set, f"seed={seed}"])
+            sensors = load_scenario(given.scenario, [BLIND, "drive.mobility.slip=null", *changes, f"seed={seed}"])
             runs.append(errors(sensors, motion))
             error, sigma = 1e3 * runs[-1][-1]
             print(f"ground {ground}, sensors {seed}: {error:+.2f} mrad, {error / sigma:+.2f} sigma", flush=True)

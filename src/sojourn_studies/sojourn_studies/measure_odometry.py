@@ -111,16 +111,14 @@ def drive(name: str, overrides: Sequence[str], seed: int) -> SeedResult:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where a bound is not kept or a seed could not be driven."""
     parser = command_line.Parser(prog="measure_odometry", description="Error of /odom over seeds of ground and soil.")
-    parser.add_argument("--scenario", default="lunar_sample", help="whose first route (default: %(default)s)")
-    command_line.add_machine(parser)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "lunar_sample", "whose first route")
     parser.add_argument(
         "--seeds", type=command_line.count, default=20, metavar="N", help="so many (default: %(default)s)"
     )
     parser.add_argument("--first", type=int, default=1, metavar="SEED", help="the first of them (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (default: %(default)s)")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
+    overrides = command_line.changes_of(given)
     route_of(load_scenario(given.scenario, overrides))
     results: list[SeedResult] = []
     with ProcessPoolExecutor(given.jobs) as pool:

@@ -121,12 +121,11 @@ def route_of(scenario: LoadedScenario) -> Goal:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print, one line a seed."""
     parser = command_line.Parser(prog="measure_path", description="Measure how well the drive keeps to a path.")
-    parser.add_argument("--scenario", default="lunar_route", help="whose route (default: %(default)s)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "lunar_route", "whose route")
     parser.add_argument("--seeds", type=int, nargs="+", default=[11], help="of ground and sensors")
     given = parser.parse_args(arguments)
     for seed in given.seeds:
-        scenario = load_scenario(given.scenario, [*given.set, f"seed={seed}"])
+        scenario = load_scenario(given.scenario, [*command_line.changes_of(given), f"seed={seed}"])
         found = follow_path(scenario, route_of(scenario))
         print(
             f"seed {seed}: {found.outcome} ({found.reason}), {found.length:.1f} m in {found.seconds:.0f} s, slip "

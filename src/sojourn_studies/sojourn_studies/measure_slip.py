@@ -81,11 +81,9 @@ def expected_slip(scenario: str, overrides: Sequence[str], say: Callable[[str], 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print."""
     parser = command_line.Parser(prog="measure_slip", description="Measure the slip that the odometry should expect.")
-    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    command_line.add_machine(parser)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "flat_drive", "whose machine, soil and body")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
+    overrides = command_line.changes_of(given)
     for name, value in expected_slip(given.scenario, overrides, command_line.say).items():
         print(f"{name}: {value}")
     return 0

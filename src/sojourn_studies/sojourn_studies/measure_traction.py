@@ -121,10 +121,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = command_line.Parser(
         prog="measure_traction", description="Measure torque against slip for the drive's belief."
     )
-    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "flat_drive", "whose machine, soil and body")
     given = parser.parse_args(arguments)
-    for name, curve in measured_curves(given.scenario, given.set, command_line.say).items():
+    for name, curve in measured_curves(given.scenario, command_line.changes_of(given), command_line.say).items():
         print(f"{name}: {{{', '.join(f'{key}: {value:.3f}' for key, value in curve.items())}}}")
     return 0
 

@@ -104,11 +104,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = command_line.Parser(
         prog="measure_turning", description="Measure the effective track of a skid-steered rover."
     )
-    parser.add_argument("--scenario", default="flat_drive", help="whose machine, soil and body (default: %(default)s)")
-    command_line.add_machine(parser)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    command_line.add_scenario(parser, "flat_drive", "whose machine, soil and body")
     given = parser.parse_args(arguments)
-    overrides = [*given.set, *([] if given.machine is None else [f"machine={given.machine}"])]
+    overrides = command_line.changes_of(given)
     scenario = on_plane(given.scenario, overrides, 0.0, 0.0)
     if not scrubs(scenario.steering.wheels):
         raise UsageError(
