@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_flight.mobility import rolling
 from sojourn_flight.odometry.slip_correction import no_headway
 from sojourn_flight.odometry.slip_estimation import SlipInput, SlipModel, SlipState
@@ -17,7 +18,6 @@ from sojourn_studies.closed_loop import ClosedLoop
 
 GOALS = ((0.12, 250), (0.32, 250), (0.42, 250), (0.7, 500), (1.6, 1000))
 """Where to along x [m], and how many periods later the next one comes: standing, rocking, or still on its way."""
-PERIOD = 0.02
 
 
 class Drive(NamedTuple):
@@ -62,7 +62,7 @@ def found(drive: Drive, heard: NDArray[np.bool_]) -> Found:
     state, slip, sigma = drive.model.initial_state(), np.full(len(heard), np.nan), np.full(len(heard), np.nan)
     names, trouble, since = tuple("abcdef"), "", 0.0
     for index, reading in enumerate(drive.readings):
-        since += PERIOD
+        since += CONTROL_PERIOD_S
         if not heard[index]:
             continue
         state, since = rolling.estimate_slip(drive.model, state, reading, min(since, LONGEST_PERIOD)), 0.0

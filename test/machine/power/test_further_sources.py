@@ -128,7 +128,7 @@ def test_every_source_in_one_network_over_a_day(loads: list[float], soc: float) 
         "isotope": load_params("parts", "mmrtg", RadioisotopeGeneratorParams),
         "stirling": ASRG,
         "mirror": MIRROR,
-        "reactor": load_params("parts", "krusty", FissionReactorParams),
+        "reactor": KRUSTY,
         "cell": load_params("parts", "ballard_mark_v", FuelCellParams),
         "engine": ENGINE,
     }
