@@ -14,7 +14,7 @@ from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topics import topic
 from sojourn_drive.reports import odometry_report
 from sojourn_flight.mobility.twist import PlanarTwist
-from sojourn_flight.odometry.slip_estimation import trouble
+from sojourn_flight.odometry.slip_status import trouble
 from sojourn_flight.planning.goal import Goal
 from sojourn_machine.params import FloatArray
 from sojourn_studies.closed_loop import ClosedLoop

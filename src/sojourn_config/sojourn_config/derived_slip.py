@@ -13,6 +13,7 @@ MICRO_G = 9.80665e-6
 OF_THE_IMU = {
     "force_noise": "accelerometer_noise_micro_g_per_sqrt_hz",
     "accelerometer_bias": "accelerometer_bias_micro_g",
+    "accelerometer_flicker": "accelerometer_bias_instability_micro_g",
 }
 
 

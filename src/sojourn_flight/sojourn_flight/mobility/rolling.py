@@ -50,7 +50,8 @@ from sojourn_flight.mobility.wheel_period import WheelPeriod, wheel_motion
 from sojourn_flight.mobility.wheel_spin import FeltMotion, WheelSpinState, endless_spin, rim_speed, step_spin
 from sojourn_flight.mobility.wheel_table import WheelTableColumn
 from sojourn_flight.odometry.slip_correction import counted_slip, dragging, no_headway
-from sojourn_flight.odometry.slip_estimation import SlipInput, SlipModel, SlipState, estimate_slip, slip_status
+from sojourn_flight.odometry.slip_estimation import SlipInput, SlipModel, SlipState, estimate_slip
+from sojourn_flight.odometry.slip_status import slip_status
 from sojourn_flight.supervision.params import DriveParams
 from sojourn_machine.body import MachineBody
 from sojourn_machine.errors import InvalidValueError

@@ -3,7 +3,8 @@
 Where a function takes `slip_error`, it is what the camera has found the way to be shorter than was told, over it [-].
 """
 
-from sojourn_flight.odometry.slip_estimation import SlipModel, SlipState, further_slip, is_stuck, trouble
+from sojourn_flight.odometry.slip_estimation import SlipModel, SlipState
+from sojourn_flight.odometry.slip_status import further_slip, is_stuck, trouble
 
 DRAGGING_SIGMA = 0.5
 """Part of the way over ground that is not known while a wheel without its motor is dragged along: the torques of the

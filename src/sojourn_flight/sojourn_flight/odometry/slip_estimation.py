@@ -33,7 +33,6 @@ from sojourn_flight.mobility.wheel_twist import velocity_kernel
 from sojourn_flight.odometry.slip_params import SlipParams, TractionCurve
 from sojourn_flight.odometry.speed_filter import (
     DRIFT,
-    FACTOR,
     ROCKING_LAG,
     ROCKING_RATE,
     SPEED,
@@ -41,6 +40,7 @@ from sojourn_flight.odometry.speed_filter import (
     bound_factor,
     carry_gravity,
     felt_rocking,
+    initial_covariance,
     level_gravity,
     predict,
     rest,
@@ -78,8 +78,6 @@ SAMPLED_WITHIN = 0.1
 HEADWAY_LOST, CERTAIN = 0.5, 2.0
 """Wheels spin without headway where at least this part of their way is lost, so many standard deviations from doubt: at
 the end of a way the wheels are so slow that a few mm/s of doubt are a slip of 1 [-]."""
-ALSO = 0.5
-"""Part of the time that makes trouble of a wheel, from which others in the same state are named with it [-]."""
 IDLE_EXPECTED = 0.3
 """Torque that a wheel must be expected to need before it can lack it [N m]."""
 
@@ -107,9 +105,9 @@ class SlipState(NamedTuple):
     """What is believed, and what the next period needs."""
 
     states: FloatArray
-    """Speed [m/s], drift [m/s^2], soil factor [-]; shape (3,)."""
+    """Speed [m/s], drift [m/s^2], soil factor [-], flicker [m/s^2]; shape (4,)."""
     covariance: FloatArray
-    """Shape (3, 3)."""
+    """Shape (4, 4)."""
     gravity: FloatArray
     """In base_link, as the accelerometers feel it, shape (3,) [m/s^2]; zero before the first period."""
     rest_rate: FloatArray
@@ -170,6 +168,7 @@ class Trust(NamedTuple):
     slip_noise_time: float
     force_noise: float
     accelerometer_bias: float
+    accelerometer_flicker: float
     drift_walk: float
     least_speed: float
     stuck_slip: float
@@ -194,11 +193,10 @@ class SlipModel:
         """Before the first period. at_rest: False where the machine may still rock, as after a drive that has died."""
         zero = np.zeros(self.machine.table.shape[0])
         params = self.params
-        drift = params.drift_sigma**2 + (0.0 if at_rest else ROCKING_ACCELERATION**2)
-        variances = (UNKNOWN_SPEED_SIGMA**2, drift, params.factor_sigma**2)
+        drift = math.hypot(params.drift_sigma, 0.0 if at_rest else ROCKING_ACCELERATION)
         return SlipState(
-            states=np.array((0.0, 0.0, 1.0)),
-            covariance=np.diag(np.array(variances)),
+            states=np.array((0.0, 0.0, 1.0, 0.0)),
+            covariance=initial_covariance(UNKNOWN_SPEED_SIGMA, drift, _noise(self.trust, 0.0)),
             gravity=np.zeros(3),
             rest_rate=np.zeros(2),
             torques=zero,
@@ -227,57 +225,6 @@ def estimate_slip(model: SlipModel, state: SlipState, measured: SlipInput, dt: f
     return SlipState(*_period(model.machine, model.trust, state, measured, dt))
 
 
-def trouble(params: SlipParams, state: SlipState, names: tuple[str, ...]) -> str:
-    """Which wheels are in trouble, in words; empty where none is."""
-
-    def named(times: FloatArray, limit: float) -> str:
-        if not (times >= limit).any():
-            return ""
-        return ", ".join(name for name, time in zip(names, times, strict=True) if time >= ALSO * limit)
-
-    found = (
-        (f"spinning without headway (slip {float(state.slip.max()):.2f})", state.stuck_for, params.stuck_time),
-        ("turning without load", state.idle_for, params.idle_time),
-        ("blocked", state.blocked_for, params.stuck_time),
-    )
-    return "; ".join(f"{text}: {wheels}" for text, times, limit in found if (wheels := named(times, limit)))
-
-
-def is_stuck(params: SlipParams, state: SlipState) -> bool:
-    """Whether a wheel spins without headway."""
-    return bool(np.count_nonzero(state.stuck_for >= params.stuck_time))
-
-
-def further_slip(slip: float, error: float) -> float:
-    """The slip of a wheel that gets over ground less than was thought by a part `error` of its way."""
-    ground = (1.0 - slip if slip >= 0.0 else 1.0 / max(1.0 + slip, 1e-6)) * (1.0 - error)
-    return 1.0 - ground if ground <= 1.0 else 1.0 / ground - 1.0
-
-
-def slip_status(
-    model: SlipModel | None, state: SlipState | None, names: tuple[str, ...], error: float = 0.0
-) -> dict[str, str | float]:
-    """Fields of /drive/status, slips counted on the rim; none where slip is not estimated.
-
-    Args:
-        error: what the camera has found the way to be shorter than that of the estimate, over it [-].
-    """
-    if model is None or state is None:
-        return {}
-    tips_over_rim = 1.0 / (1.0 - model.params.free_slip)
-    further = 1.0 - (1.0 - error) * tips_over_rim
-    status: dict[str, str | float] = {  # exactly 0 is the slip of a wheel that stands
-        f"slip_{name}": further_slip(float(slip), further) if slip != 0.0 else 0.0
-        for name, slip in zip(names, state.slip, strict=True)
-    }
-    status["slip"] = further_slip(state.shared, further) if state.observable else 0.0
-    status["slip_sigma"] = state.sigma * tips_over_rim
-    status["soil_factor"] = float(state.states[FACTOR])
-    status["soil_factor_sigma"] = math.sqrt(state.covariance[FACTOR, FACTOR])
-    status["wheels_in_trouble"] = trouble(model.params, state, names)
-    return status
-
-
 def _levelled_anew(state: SlipState, roll_pitch: tuple[float, float], sigma: float) -> SlipState:
     """After a time in which nobody has felt how the body turned: gravity as roll and pitch tell it, and a drift of
     which nothing is known but its sigma [m/s^2].
@@ -292,6 +239,13 @@ def _levelled_anew(state: SlipState, roll_pitch: tuple[float, float], sigma: flo
 
 def _row(curve: TractionCurve) -> tuple[float, float, float]:
     return curve.limit, curve.softness, curve.offset
+
+
+@njit(cache=True)
+def _noise(trust: Trust, drift_variance: float) -> ProcessNoise:
+    return ProcessNoise(
+        trust.force_noise, trust.accelerometer_flicker, drift_variance, trust.factor_sigma, trust.factor_length
+    )
 
 
 @njit(cache=True)
@@ -334,8 +288,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     if standing_for > SETTLED_AFTER:
         if standing_for > RESTING_AFTER:
             rest(states, gravity, rest_rate, gyro, felt[1], rest_share(standing_for - RESTING_AFTER, dt))
-        covariance[DRIFT, DRIFT] += trust.drift_walk**2 * dt
-        stand(states, covariance, rocking, felt[0], force_noise, dt)
+        stand(states, covariance, rocking, felt[0], dt, _noise(trust, trust.drift_walk**2 * dt))
         torques[:] = 0.0
         return SlipState(
             states, covariance, gravity, rest_rate, torques, rates, slip, False, shared, sigma, ahead, rocking, old.way,
@@ -343,8 +296,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         )  # fmt: skip
     acceleration = felt[0] * ahead_x + felt[1] * ahead_y
     drift_variance = (trust.drift_walk**2 + TURNED_APART * abs(gyro[2]) * trust.accelerometer_bias**2) * dt
-    noise = ProcessNoise(force_noise, drift_variance, trust.factor_sigma, trust.factor_length)
-    predict(states, covariance, acceleration, ahead_x, wheels * dt, dt, noise)
+    predict(states, covariance, acceleration, ahead_x, wheels * dt, dt, _noise(trust, drift_variance))
     covariance[SPEED, SPEED] += (ROCKING_ACCELERATION * max(dt - SAMPLED_WITHIN, 0.0)) ** 2
     loads, way = machine.loads, old.way
     along, levers, counts = np.empty(count), np.empty(count), np.empty(count)
@@ -358,8 +310,8 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         kinds[i] = 1 if in_rut(table, i, ahead_x, ahead_y, trust.rut_width, way) else 0
         counts[i] = 0.0 if standing[i] > 0.5 or old.idle_for[i] > 1.0 else 1.0
     if not observable:
-        along_ahead = v_x * ahead_x + v_y * ahead_y
-        update(states, covariance, np.array((1.0, 0.0, 0.0)), along_ahead - states[SPEED], TURNING_SIGMA**2 * inflation)
+        off = v_x * ahead_x + v_y * ahead_y - states[SPEED]
+        update(states, covariance, np.array((1.0, 0.0, 0.0, 0.0)), off, TURNING_SIGMA**2 * inflation)
     elif counts.sum() > 0.5:
         pulling = np.empty(count)
         for i in range(count):

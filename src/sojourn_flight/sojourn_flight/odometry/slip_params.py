@@ -34,7 +34,10 @@ class SlipParams(Params):
     accelerometer_bias: float = Field(
         ..., gt=0.0, le=1.0, description="after a turn it does not cancel with that of the levelling [m/s^2]"
     )
-    drift_walk: float = Field(..., gt=0.0, le=1.0, description="random walk of that [m/s^2/s^0.5]")
+    accelerometer_flicker: float = Field(
+        default=0.0, ge=0.0, le=1.0, description="coefficient B of the flicker of the accelerometer's bias [m/s^2]"
+    )
+    drift_walk: float = Field(..., gt=0.0, le=1.0, description="random walk of the acceleration's error [m/s^2/s^0.5]")
     least_speed: float = Field(..., gt=0.0, le=1.0, description="speed of the wheels below which no slip is told [m/s]")
     stuck_slip: float = Field(..., gt=0.0, lt=1.0, description="slip beyond which the machine makes no headway [-]")
     stuck_time: float = Field(..., gt=0.0, le=60.0, description="after this time it is told [s]")

@@ -1,11 +1,18 @@
 """Speed over ground from wheels that slip and an IMU: a Kalman filter of speed, drift and soil.
 
-States: speed v over ground along the heading of the wheels' motion [m/s]; drift b, the error of the acceleration along
-x of base_link [m/s^2]; soil factor q, the slip over the one that the torques speak of (`traction`) [-].
+States: speed v over ground along the heading of the wheels' motion [m/s]; drift b and flicker c, the error of the
+acceleration along x of base_link [m/s^2]; soil factor q, the slip over the one that the torques speak of (`traction`)
+[-].
 
-    v' = a - d_x b + n_a,     b' = n_b,     q: 1 + (q - 1) e^(-way / length), renewed to its sigma
+    v' = a - d_x (b + c) + n_a,  b' = n_b,  c' = -c/T + n_c,  q: 1 + (q - 1) e^(-way / length), renewed to its sigma
     moving:   v = u (1 - s_0 - q (s - s_0)) + n_s,   u speed of the wheels, s believed slip, s_0 free slip
-    standing: v = 0,  a = d_x b + n_a,  b' = n_b      what the accelerometers feel at rest is drift
+    standing: v = 0,  a = d_x (b + c) + n_a           what the accelerometers feel at rest is their error
+
+The bias of an accelerometer flickers: of its coefficient B (bias instability) each decade of time has the variance
+FLICKER_PART^2 B^2. Those of T = 10 s, over which a start of the machine goes, are c; faster ones are noise as good as
+white, of the density 2 T_f FLICKER_PART^2 B^2, slower ones are within the walk of b. A walk that moves as much in
+seconds is beyond all that flicker does in a minute: what it says of speed is too little in the first seconds or next
+to nothing later.
 
 a = (f + g).d is strapdown: specific force and gravity along the motion, gravity carried in base_link by the gyros, g' =
 -w x g, from the last levelling. Gyros feel the planet's spin too, which on Mars is 15 deg/h: what they tell of a
@@ -26,7 +33,8 @@ of the accelerometer over a speed that goes to zero was told as a slip of 1.
 After a stop, a tactical IMU on a small body knows the speed to some mm/s for some ten seconds (drift of gyros times
 gravity): as long as that is better than the wheels', it finds the soil's factor, which stays.
 
-Sources: Gelb (1974), Applied Optimal Estimation, sec. 4.2; Foxlin (2005), IEEE Computer Graphics and Applications
+Sources: Gelb (1974), Applied Optimal Estimation, sec. 4.2; IEEE Std 952-1997, annex C (flicker as a sum of such
+processes: `sojourn_physics.sensors.inertial_errors`); Foxlin (2005), IEEE Computer Graphics and Applications
 25(6):38 (zero-velocity updates); Skog et al. (2010), IEEE Trans. Biomedical Engineering 57(11):2657 (acceleration's
 moving variance tells of standing); Ojeda et al. (2006), IEEE Trans. Robotics 22:366 (slip from motor current).
 Assumptions: the machine moves where its wheels roll to; lever arm of the IMU times the tilt rate is small.
@@ -40,7 +48,12 @@ import numpy as np
 from sojourn_machine.kernels import njit
 from sojourn_machine.params import FloatArray
 
-SPEED, DRIFT, FACTOR = 0, 1, 2
+SPEED, DRIFT, FACTOR, FLICKER = range(4)
+STATES = 4
+FLICKER_TIME, FAST_FLICKER_TIME = 10.0, 1.0
+"""T and T_f [s]."""
+FLICKER_PART = math.sqrt(math.log(10.0) / math.pi)
+"""Standard deviation of a decade of a flicker, over its coefficient [-]."""
 STANDING_SIGMA = 1e-3
 """Speed of a machine whose wheels stand [m/s]."""
 ROCKING_RATE = 5.0
@@ -58,6 +71,8 @@ class ProcessNoise(NamedTuple):
 
     force: float
     """Density of the noise of the accelerations [m/s^1.5]."""
+    flicker: float
+    """Coefficient of their flicker [m/s^2]."""
     drift_variance: float
     """Gained by the drift in the period [m^2/s^4]."""
     factor_sigma: float
@@ -120,6 +135,30 @@ def felt_rocking(felt: FloatArray, acceleration: float, dt: float) -> FloatArray
 
 
 @njit(cache=True)
+def initial_covariance(speed: float, drift: float, noise: ProcessNoise) -> FloatArray:
+    """Before the first period, shape (STATES, STATES). speed, drift: standard deviations [m/s], [m/s^2]."""
+    flicker = FLICKER_PART * noise.flicker
+    return np.diag(np.array((speed**2, drift**2, noise.factor_sigma**2, flicker**2)))
+
+
+@njit(cache=True)
+def white_noise(noise: ProcessNoise) -> float:
+    """Density of what is white in the accelerations, or as good as white [m^2/s^3]."""
+    return noise.force**2 + 2.0 * FAST_FLICKER_TIME * (FLICKER_PART * noise.flicker) ** 2
+
+
+@njit(cache=True)
+def wander(states: FloatArray, covariance: FloatArray, dt: float, noise: ProcessNoise) -> None:
+    """What becomes of drift and flicker in a period of dt [s], in place."""
+    kept = math.exp(-dt / FLICKER_TIME)
+    states[FLICKER] *= kept
+    covariance[FLICKER] *= kept
+    covariance[:, FLICKER] *= kept
+    covariance[FLICKER, FLICKER] += (FLICKER_PART * noise.flicker) ** 2 * (1.0 - kept * kept)
+    covariance[DRIFT, DRIFT] += noise.drift_variance
+
+
+@njit(cache=True)
 def predict(
     states: FloatArray,
     covariance: FloatArray,
@@ -135,16 +174,15 @@ def predict(
         acceleration: a [m/s^2]. ahead: d_x, cosine between the motion and x of base_link. way: of the wheels [m].
     """
     kept = math.exp(-way / noise.factor_length)
-    states[SPEED] += (acceleration - ahead * states[DRIFT]) * dt
+    states[SPEED] += (acceleration - ahead * (states[DRIFT] + states[FLICKER])) * dt
     states[FACTOR] = 1.0 + (states[FACTOR] - 1.0) * kept
-    carried = covariance[SPEED] - ahead * dt * covariance[DRIFT]
-    covariance[SPEED] = carried
-    covariance[:, SPEED] = covariance[:, SPEED] - ahead * dt * covariance[:, DRIFT]
+    covariance[SPEED] -= ahead * dt * (covariance[DRIFT] + covariance[FLICKER])
+    covariance[:, SPEED] -= ahead * dt * (covariance[:, DRIFT] + covariance[:, FLICKER])
     covariance[FACTOR] *= kept
     covariance[:, FACTOR] *= kept
     sideways = 1.0 - ahead * ahead  # across x the drift is not estimated, and may be what it is at first
-    covariance[SPEED, SPEED] += noise.force**2 * dt + sideways * (0.01**2) * dt
-    covariance[DRIFT, DRIFT] += noise.drift_variance
+    covariance[SPEED, SPEED] += white_noise(noise) * dt + sideways * (0.01**2) * dt
+    wander(states, covariance, dt, noise)
     covariance[FACTOR, FACTOR] += noise.factor_sigma**2 * (1.0 - kept * kept)
 
 
@@ -154,27 +192,30 @@ def update(states: FloatArray, covariance: FloatArray, row: FloatArray, innovati
     carried = covariance @ row
     total = row @ carried + variance
     gain = carried / total
-    for i in range(3):
+    for i in range(STATES):
         states[i] += gain[i] * innovation
-        for j in range(3):
+        for j in range(STATES):
             covariance[i, j] += gain[i] * gain[j] * total - gain[i] * carried[j] - carried[i] * gain[j]
 
 
 @njit(cache=True)
 def stand(
-    states: FloatArray, covariance: FloatArray, felt: FloatArray, acceleration: float, force_noise: float, dt: float
+    states: FloatArray, covariance: FloatArray, felt: FloatArray, acceleration: float, dt: float, noise: ProcessNoise
 ) -> None:
-    """Wheels that stand: no speed, and the acceleration felt along x is drift, as far as the body does not rock.
+    """Wheels that stand: no speed, and the acceleration felt along x is drift and flicker, as far as the body does not
+    rock.
 
     Args:
         felt: from `felt_rocking`, along x. acceleration: felt along x now [m/s^2].
     """
-    noise = force_noise**2 / dt
-    rock = max(felt[1] - 2.0 * noise, 0.0)
+    wander(states, covariance, dt, noise)
+    rock = max(felt[1] - 2.0 * noise.force**2 / dt, 0.0)
     lasting = 1.0 / (ROCKING_RATE * dt)  # periods for which a swing goes one way
     speed_variance = STANDING_SIGMA**2 + rock / ROCKING_RATE**2 * lasting
-    update(states, covariance, np.array((1.0, 0.0, 0.0)), -states[SPEED], speed_variance)
-    update(states, covariance, np.array((0.0, 1.0, 0.0)), acceleration - states[DRIFT], noise + rock * lasting)
+    felt_variance = white_noise(noise) / dt + rock * lasting
+    off = acceleration - states[DRIFT] - states[FLICKER]
+    update(states, covariance, np.array((1.0, 0.0, 0.0, 0.0)), -states[SPEED], speed_variance)
+    update(states, covariance, np.array((0.0, 1.0, 0.0, 1.0)), off, felt_variance)
 
 
 @njit(cache=True)
@@ -213,5 +254,5 @@ def bound_factor(states: FloatArray, sigma: float) -> None:
 def roll(states: FloatArray, covariance: FloatArray, wheels: float, slip: float, free: float, variance: float) -> None:
     """Wheels that roll at the speed `wheels` [m/s] with the believed slip; `variance` of what follows [m^2/s^2]."""
     expected = wheels * (1.0 - min(free + states[FACTOR] * (slip - free), 1.0))
-    row = np.array((1.0, 0.0, wheels * (slip - free)))
+    row = np.array((1.0, 0.0, wheels * (slip - free), 0.0))
     update(states, covariance, row, expected - states[SPEED], variance)
