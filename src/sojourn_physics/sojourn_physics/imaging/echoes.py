@@ -59,8 +59,8 @@ def echoes(scene: Sounded, rays: FloatArray, eye: Eye, around: Panorama) -> tupl
 @njit(cache=True)
 def _meet_in_parts(ground: DrawnGround, eye: Eye, around: Panorama, rays: FloatArray, distance: FloatArray) -> None:
     """As `meet_ground`, of rays in a row, (n, 3): so many at a time as stay in near memory."""
-    count, room = rays.shape[0], np.empty((ROOM, PART))
-    part, found = np.empty((3, PART)), np.empty(PART)
+    count, room = rays.shape[0], np.empty((ROOM, PART), dtype=np.float32)
+    part, found = np.empty((3, PART), dtype=np.float32), np.empty(PART)
     for begin in range(0, count, PART):
         for i in range(PART):
             ray = min(begin + i, count - 1)  # beyond the last ray it once more: all parts are as long

@@ -17,15 +17,20 @@ from sojourn_physics.imaging.body import hides_sun
 from sojourn_physics.imaging.ground import DrawnGround, is_changed, lowered_at, slope_at
 from sojourn_physics.imaging.photometry import Illumination, Look, ambient, reflectance
 from sojourn_physics.imaging.shadows import CastShadows, sunlit, sunlit_nearby
+from sojourn_physics.imaging.single import NEVER, ONE, ZERO, constant, narrowed
 from sojourn_physics.imaging.soils import Soils, brightness_at
 from sojourn_physics.imaging.texture import Grain, Grains, add_grain
 
-X, Y, Z, SLOPE_X, SLOPE_Y, WIDTH, TOWARDS_SUN, TOWARDS_EYE, PHASE, UPRIGHT, SHADE, LIT = range(12)
-"""Rows of a surface: place in map [m], slope [-], width of the pixel on it [m], cosines of incidence, emission and
+X, Y, Z = range(3)
+"""Rows of spots: place in map [m]."""
+SLOPE_X, SLOPE_Y, WIDTH, TOWARDS_SUN, TOWARDS_EYE, PHASE, UPRIGHT, SHADE, LIT = range(9)
+"""Rows of a surface: slope [-], width of the pixel on it [m], cosines of incidence, emission and
 phase, of the normal to the vertical, brightness of the albedo of the place, part of the Sun's disc that is seen [-]."""
-SURFACE = 12
-FAR = np.float32(1e6)
+SURFACE = 9
+FAR = constant(1e6)
 """Instead of the infinite distance of the sky [m]."""
+GRAZING, DARKEST = constant(0.02), constant(0.1)
+"""Least cosine of emission of a pixel, and brightness over the mean [-]."""
 
 Vector = tuple[float, float, float]
 Line = NDArray[np.float32]
@@ -43,7 +48,9 @@ class Seat(NamedTuple):
 class Room(NamedTuple):
     """To work in, for so many pixels."""
 
-    surface: FloatArray
+    spots: FloatArray
+    """(3, n)."""
+    surface: Line
     """(SURFACE, n) or more."""
     point: FloatArray
     """(3,)."""
@@ -101,7 +108,7 @@ def shape_light(scene: Scene, shape: int, at: Vector, normal: Vector, point: Flo
 
 
 @kernel
-def light_ground(scene: Scene, rays: FloatArray, eye: Seat, distance: Line, radiance: Line, room: Room) -> None:
+def light_ground(scene: Scene, rays: Line, eye: Seat, distance: Line, radiance: Line, room: Room) -> None:
     """Write the radiance of those pixels of a bundle that see the ground: whose radiance is not known yet, less
     than 0.
 
@@ -110,98 +117,102 @@ def light_ground(scene: Scene, rays: FloatArray, eye: Seat, distance: Line, radi
     Args:
         rays: in map, (3, n). distance, radiance: of them, (n,). room: to work in.
     """
-    surface = room.surface
-    _places(rays, eye, distance, radiance, surface)
-    _slopes(scene.ground, surface)
+    spots, surface = room.spots, room.surface
+    _places(rays, eye, distance, radiance, spots)
+    _slopes(scene.ground, spots, surface)
     _widths(rays, eye, distance, surface)
-    _grains(scene, surface, room)
+    _grains(scene, room)
     _normals(scene, rays, surface)
-    _sunlight(scene, surface, room.point)
+    _sunlight(scene, room)
     _radiances(scene, surface, radiance)
 
 
 @vector_kernel
-def _places(rays: FloatArray, eye: Seat, distance: Line, radiance: Line, surface: FloatArray) -> None:
+def _places(rays: Line, eye: Seat, distance: Line, radiance: Line, spots: FloatArray) -> None:
     """Where the pixels see the ground; of others the place of the camera."""
     place = eye.place
     for j in range(distance.shape[0]):
-        reach = distance[j] if radiance[j] < 0.0 and distance[j] < math.inf else np.float32(0.0)
-        surface[X, j] = place[0] + reach * rays[0, j]
-        surface[Y, j] = place[1] + reach * rays[1, j]
-        surface[Z, j] = place[2] + reach * rays[2, j]
+        reach = distance[j] if radiance[j] < ZERO and distance[j] < NEVER else ZERO
+        spots[X, j] = place[0] + reach * rays[0, j]
+        spots[Y, j] = place[1] + reach * rays[1, j]
+        spots[Z, j] = place[2] + reach * rays[2, j]
 
 
 @small_kernel
-def _slopes(ground: DrawnGround, surface: FloatArray) -> None:
-    for j in range(surface.shape[1]):
-        surface[SLOPE_X, j], surface[SLOPE_Y, j] = slope_at(ground, surface[X, j], surface[Y, j])
+def _slopes(ground: DrawnGround, spots: FloatArray, surface: Line) -> None:
+    for j in range(spots.shape[1]):
+        surface[SLOPE_X, j], surface[SLOPE_Y, j] = slope_at(ground, spots[X, j], spots[Y, j])
 
 
 @vector_kernel
-def _widths(rays: FloatArray, eye: Seat, distance: Line, surface: FloatArray) -> None:
+def _widths(rays: Line, eye: Seat, distance: Line, surface: Line) -> None:
     """Of the pixels on the ground [m]."""
+    pixel = narrowed(eye.pixel)
     for j in range(distance.shape[0]):
         slope_x, slope_y = surface[SLOPE_X, j], surface[SLOPE_Y, j]
-        length = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-        facing = max((slope_x * rays[0, j] + slope_y * rays[1, j] - rays[2, j]) * length, 0.02)
-        surface[WIDTH, j] = min(distance[j], FAR) * eye.pixel / math.sqrt(facing)
+        length = ONE / math.sqrt(ONE + slope_x * slope_x + slope_y * slope_y)
+        facing = max((slope_x * rays[0, j] + slope_y * rays[1, j] - rays[2, j]) * length, GRAZING)
+        surface[WIDTH, j] = min(distance[j], FAR) * pixel / math.sqrt(facing)
 
 
 @small_kernel
-def _grains(scene: Scene, surface: FloatArray, room: Room) -> None:
+def _grains(scene: Scene, room: Room) -> None:
     """The fine slope and the brightness of the ground."""
-    add_grain(scene.grain, surface[X], surface[Y], surface[WIDTH], room.grains)
-    for j in range(surface.shape[1]):
+    spots, surface = room.spots, room.surface
+    add_grain(scene.grain, spots[X], spots[Y], surface[WIDTH], room.grains)
+    for j in range(spots.shape[1]):
         surface[SLOPE_X, j] += room.grains.slope_x[j]
         surface[SLOPE_Y, j] += room.grains.slope_y[j]
-        surface[SHADE, j] = max(1.0 + room.grains.bright[j], 0.1)
-    for j in range(surface.shape[1]):
-        surface[SHADE, j] *= brightness_at(scene.soils, surface[X, j], surface[Y, j])
+        surface[SHADE, j] = max(ONE + room.grains.bright[j], DARKEST)
+    for j in range(spots.shape[1]):
+        surface[SHADE, j] *= narrowed(brightness_at(scene.soils, spots[X, j], spots[Y, j]))
 
 
 @vector_kernel
-def _normals(scene: Scene, rays: FloatArray, surface: FloatArray) -> None:
-    sun = scene.cast.sun
-    for j in range(surface.shape[1]):
+def _normals(scene: Scene, rays: Line, surface: Line) -> None:
+    east, north, up = narrowed(scene.cast.sun[0]), narrowed(scene.cast.sun[1]), narrowed(scene.cast.sun[2])
+    for j in range(rays.shape[1]):
         slope_x, slope_y = surface[SLOPE_X, j], surface[SLOPE_Y, j]
-        length = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
-        surface[TOWARDS_SUN, j] = (sun[2] - slope_x * sun[0] - slope_y * sun[1]) * length
+        length = ONE / math.sqrt(ONE + slope_x * slope_x + slope_y * slope_y)
+        surface[TOWARDS_SUN, j] = (up - slope_x * east - slope_y * north) * length
         surface[TOWARDS_EYE, j] = (slope_x * rays[0, j] + slope_y * rays[1, j] - rays[2, j]) * length
-        surface[PHASE, j] = -(rays[0, j] * sun[0] + rays[1, j] * sun[1] + rays[2, j] * sun[2])
+        surface[PHASE, j] = -(rays[0, j] * east + rays[1, j] * north + rays[2, j] * up)
         surface[UPRIGHT, j] = length
 
 
 @small_kernel
-def _sunlight(scene: Scene, surface: FloatArray, point: FloatArray) -> None:
+def _sunlight(scene: Scene, room: Room) -> None:
     """The part of the Sun that the ground sees, where it faces it."""
-    ground, sun = scene.ground, scene.cast.sun
+    ground, sun, spots, surface = scene.ground, scene.cast.sun, room.spots, room.surface
     if scene.light.direct <= 0.0:
-        for j in range(surface.shape[1]):
-            surface[LIT, j] = 0.0
+        for j in range(spots.shape[1]):
+            surface[LIT, j] = ZERO
         return
-    for j in range(surface.shape[1]):
-        x, y, z = surface[X, j], surface[Y, j], surface[Z, j]
+    for j in range(spots.shape[1]):
+        x, y, z = spots[X, j], spots[Y, j], spots[Z, j]
         if is_changed(ground.changes, x, y):  # below its own surface as it was all would be dark
             z += lowered_at(ground.changes, x, y)
         surface[LIT, j] = sunlit(ground, scene.cast, x, y, z)
-    for j in range(surface.shape[1]):
-        if surface[LIT, j] > 0.0 and surface[TOWARDS_SUN, j] > 0.0:
-            x, y, z = surface[X, j], surface[Y, j], surface[Z, j]
+    for j in range(spots.shape[1]):
+        if surface[LIT, j] > ZERO and surface[TOWARDS_SUN, j] > ZERO:
+            x, y, z = spots[X, j], spots[Y, j], spots[Z, j]
             if is_changed(ground.changes, x, y):
-                surface[LIT, j] *= sunlit_nearby(ground, sun, x, y, z)
-            if hides_sun(scene.body, sun, x, y, z + 1e-3, point):
-                surface[LIT, j] = 0.0
+                surface[LIT, j] *= narrowed(sunlit_nearby(ground, sun, x, y, z))
+            if hides_sun(scene.body, sun, x, y, z + 1e-3, room.point):
+                surface[LIT, j] = ZERO
 
 
 @vector_kernel
-def _radiances(scene: Scene, surface: FloatArray, radiance: Line) -> None:
-    look, light, up = scene.look, scene.light, _sent_up(scene)
+def _radiances(scene: Scene, surface: Line, radiance: Line) -> None:
+    look = Look(narrowed(scene.look.albedo), narrowed(scene.look.regolith))
+    light = Illumination(narrowed(scene.light.direct), narrowed(scene.light.diffuse))
+    up = narrowed(_sent_up(scene))
     for j in range(radiance.shape[0]):
         shade = surface[SHADE, j]
         bright = ambient(light, look.albedo * shade, up, surface[UPRIGHT, j])
         seen = reflectance(look, surface[TOWARDS_SUN, j], surface[TOWARDS_EYE, j], surface[PHASE, j])
         bright += surface[LIT, j] * light.direct * shade * seen
-        radiance[j] = bright if radiance[j] < 0.0 else radiance[j]
+        radiance[j] = bright if radiance[j] < ZERO else radiance[j]
 
 
 @small_kernel

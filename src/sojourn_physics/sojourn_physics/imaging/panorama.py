@@ -26,24 +26,24 @@ import numpy as np
 from sojourn_machine.kernels import kernel, njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import UNIT, DrawnGround, height_at, height_in, is_untouched, stride_at
+from sojourn_physics.imaging.single import FOUR, NEVER, TWO, ZERO, constant, narrowed
 
-NEVER = np.float32(np.inf)
 ILLINOIS = 6
 """Steps of regula falsi at most."""
 CLOSE = 1e-4
 """A ray so near to the ground has met it, by height [m]."""
-SMOOTH, SMOOTH_PART = 0.5, 0.01
+SMOOTH, SMOOTH_PART = 0.5, constant(0.01)
 """Where walks beside a ray meet the ground within so much of a node, and of the way, it is smooth between them [-]."""
-SMOOTH_OFF = 0.05
+SMOOTH_OFF = constant(0.05)
 """The same off the map, of the way [-]."""
-STEEP, ON_GROUND = 0.4, 1e-3
+STEEP, ON_GROUND = constant(0.4), 1e-3
 """Where ground rises or falls so much along a ray [-], a straight line so far from it is not taken for it [m]."""
 ACROSS, AZIMUTH, HEIGHT, BEGIN, END, NEAR_LEFT, NEAR_RIGHT, FAR_LEFT, FAR_RIGHT, LOW, HIGH, STEEP_AT = range(12)
 """Rows of the room to work in: see `_bearings`, `_look_up` and `_brackets`."""
 ROOM = 12
-PLUMB = 1e-7
-"""Way over ground of a ray that is plumb, for each metre [-]."""
-UNKNOWN = -1.0
+PLUMB, ALONG = 1e-7, constant(1e-9)
+"""Way over ground of a ray that is plumb, for each metre, and the slope of ground over that of a ray along it [-]."""
+UNKNOWN = constant(-1.0)
 """Instead of a distance."""
 RISE = 0.5
 """Height of a bin, of its width [-]: a walk costs no more for it, and a ray has less to search."""
@@ -51,7 +51,6 @@ CHUNK = 64
 """Strides of half a node of which heights are looked up together."""
 MARGIN = 0.25
 """Of a stride, on both sides of what two walks say [-]."""
-
 
 Course = tuple[float, float, float, float, float, float]
 """Of a walk: from where, in map [m] and counted in nodes, and the unit vector over ground."""
@@ -121,10 +120,10 @@ def panorama(resolution: float, lowest: float, highest: float, ways: WalkRoom) -
 def azimuth_of(x: float, y: float) -> float:
     """Of a direction, from 0 to 4, a quarter each."""
     length = abs(x) + abs(y)
-    part = y / length if length > 0.0 else 0.0
-    if x >= 0.0:
-        return part if y >= 0.0 else 4.0 + part
-    return 2.0 - part
+    part = y / length if length > ZERO else ZERO * y  # in its precision
+    if x >= ZERO:
+        return part if y >= ZERO else FOUR + part
+    return TWO - part
 
 
 @kernel
@@ -250,21 +249,22 @@ def meet_ground(
     _look_up(around, room)
     _brackets(ground, eye, around, rays, distance, room)
     for i in range(distance.shape[0]):
-        across = room[ACROSS, i]
+        across = np.float64(room[ACROSS, i])
         if across < PLUMB:
             distance[i] = -height_over(ground, eye, eye.place[0], eye.place[1], 0.0) if rays[2, i] < 0.0 else math.inf
         elif distance[i] < 0.0:
             ray = (rays[0, i] / across, rays[1, i] / across, rays[2, i] / across)
-            way = room[STEEP_AT, i]
+            way = np.float64(room[STEEP_AT, i])
             if way < 0.0 or abs(_over(ground, eye, ray, way)) > ON_GROUND:
-                way = _crossing(ground, eye, ray, room[BEGIN, i], min(room[END, i], eye.reach))
+                way = _crossing(ground, eye, ray, np.float64(room[BEGIN, i]), min(np.float64(room[END, i]), eye.reach))
             distance[i] = way / across
 
 
 @vector_kernel
 def _bearings(around: Panorama, rays: FloatArray, room: FloatArray) -> None:
     """Of rays: azimuth and height in bins, way over ground for each metre."""
-    azimuths, lowest, bins = 0.25 * (around.way.shape[0] - 1), around.lowest, 1.0 / around.bin
+    azimuths, lowest = narrowed(0.25 * (around.way.shape[0] - 1)), narrowed(around.lowest)
+    bins = narrowed(1.0 / around.bin)
     for i in range(rays.shape[1]):
         x, y = rays[0, i], rays[1, i]
         room[ACROSS, i] = math.sqrt(x * x + y * y)
@@ -292,21 +292,23 @@ def _brackets(
     """Write the distance of rays where the walks beside them tell it, UNKNOWN where they say no more than between which
     two ways it is, and where ground that is steep was met, if their line fits it.
     """
-    last, place, bounds, smooth = around.way.shape[0] - 1.0, eye.place, ground.bounds, SMOOTH * ground.place[3]
+    last, smooth = narrowed(around.way.shape[0] - 2), narrowed(SMOOTH * ground.place[3])
+    west, east = narrowed(ground.bounds[0] - eye.place[0]), narrowed(ground.bounds[1] - eye.place[0])
+    south, north = narrowed(ground.bounds[2] - eye.place[1]), narrowed(ground.bounds[3] - eye.place[1])
     for i in range(distance.shape[0]):
         a, b, c, d = room[NEAR_LEFT, i], room[NEAR_RIGHT, i], room[FAR_LEFT, i], room[FAR_RIGHT, i]
         begin, end, across = min(a, b), max(c, d), room[ACROSS, i]
         room[BEGIN, i], room[END, i] = begin, end
-        x, y = place[0] + begin * rays[0, i] / across, place[1] + begin * rays[1, i] / across
-        on = (bounds[0] <= x) & (x <= bounds[1]) & (bounds[2] <= y) & (y <= bounds[3])  # as `on_map`, without a branch
+        x, y = begin * rays[0, i] / across, begin * rays[1, i] / across
+        on = (west <= x) & (x <= east) & (south <= y) & (y <= north)  # as `on_map`, without a branch
         short = smooth + SMOOTH_PART * begin if on else SMOOTH_OFF * begin
-        part = room[AZIMUTH, i] - min(math.floor(room[AZIMUTH, i]), last - 1.0)
+        part = room[AZIMUTH, i] - min(np.floor(room[AZIMUTH, i]), last)
         low, high = a + part * (b - a), c + part * (d - c)
         met, slope = _on_line((room[LOW, i], room[HIGH, i]), (low, high), rays[2, i] / across)
         straight, steep = end - begin < short, abs(slope) >= STEEP
         room[STEEP_AT, i] = met if straight & steep else UNKNOWN
         met = UNKNOWN if steep | (not straight) else met / across
-        distance[i] = math.inf if begin == math.inf else met
+        distance[i] = NEVER if begin == NEVER else met
 
 
 @vector_kernel
@@ -318,8 +320,8 @@ def _on_line(rises: tuple[float, float], ways: tuple[float, float], rise: float)
     """
     low, high = ways
     slope = (rises[1] * high - rises[0] * low) / (high - low)
-    met = min(max(low + (rise - rises[0]) * low / (slope - rise), 0.0), high)  # a plumb ray is before the first bin
-    return low if (high <= low) | (slope - rise < 1e-9) else met, slope  # or along the ground
+    met = min(max(low + (rise - rises[0]) * low / (slope - rise), ZERO), high)  # a plumb ray is before the first bin
+    return low if (high <= low) | (slope - rise < ALONG) else met, slope  # or along the ground
 
 
 @small_kernel
@@ -392,6 +394,6 @@ def meetings(ground: DrawnGround, eye: Eye, around: Panorama, directions: FloatA
         directions: unit vectors in map, shape (n, 3).
     """
     found = np.empty(directions.shape[0])
-    rays = np.ascontiguousarray(directions.T)
-    meet_ground(ground, eye, around, rays, found, np.empty((ROOM, found.shape[0])))
+    rays = np.ascontiguousarray(directions.T).astype(np.float32)
+    meet_ground(ground, eye, around, rays, found, np.empty((ROOM, found.shape[0]), dtype=np.float32))
     return found

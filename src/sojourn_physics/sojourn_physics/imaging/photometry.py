@@ -12,16 +12,27 @@ reflectance for the angles of incidence i, emission e and phase α:
 it is ρ/π at i = 30°, e = 0. For ground under no air: w = 0.21, h = 0.07, B0 = 2.01, b = 0.29, c = 0.39 of the Moon's
 mean (Helfenstein & Veverka 1987, Icarus 72:342); so the ground looks bright with the Sun behind, and the shadow of the
 camera has a bright edge. Under air the dust is taken as matt.
+
+The constants are in single precision, see `single`.
 """
 
 import math
 from typing import NamedTuple
 
 from sojourn_machine.kernels import vector_kernel
+from sojourn_physics.imaging.single import HALF, ONE, THREE, TWO, ZERO, constant
 
-W, WIDTH, B0, FIRST, SECOND = 0.21, 0.07, 2.01, 0.29, 0.39
-"""w, h, B0, b and c of the Moon."""
-HAPKE_AT_30 = 0.055534209123
+W = 0.21
+"""w of the Moon."""
+WIDTH, B0, FIRST, SECOND = constant(0.07), constant(2.01), constant(0.29), constant(0.39)
+"""h, B0, b and c."""
+SCATTERED, H_ROOT = constant(W / (4.0 * math.pi)), constant(math.sqrt(1.0 - W))
+"""w/4π, and the root of 1 - w."""
+MATT = constant(1.0 / math.pi)
+"""Reflectance of a matt surface, over its albedo and the cosine of incidence [1/sr]."""
+GRAZING, OPPOSITE = constant(0.02), constant(1e-9)
+"""Least cosine of emission, and of the phase more than -1."""
+HAPKE_AT_30 = constant(0.055534209123)
 """π r of these at i = 30°, e = 0, by which they are scaled [-]."""
 
 
@@ -45,27 +56,27 @@ class Illumination(NamedTuple):
 
 @vector_kernel
 def _h(x: float) -> float:
-    return (1.0 + 2.0 * x) / (1.0 + 2.0 * x * math.sqrt(1.0 - W))
+    return (ONE + TWO * x) / (ONE + TWO * x * H_ROOT)
 
 
 @vector_kernel
 def hapke(mu0: float, mu: float, cos_phase: float) -> float:
     """Reflectance of the Moon's mean regolith [1/sr]; mu0, mu: cosines of incidence and emission, more than 0."""
-    cosine = min(max(cos_phase, -1.0), 1.0)
-    half = math.sqrt((1.0 - cosine) / max(1.0 + cosine, 1e-9))
-    surge = B0 / (1.0 + half / WIDTH)
-    phase = 1.0 + FIRST * cosine + SECOND * (1.5 * cosine * cosine - 0.5)
-    return float(W / (4.0 * math.pi) * mu0 / (mu0 + mu) * ((1.0 + surge) * phase + _h(mu0) * _h(mu) - 1.0))
+    cosine = min(max(cos_phase, -ONE), ONE)
+    half = math.sqrt((ONE - cosine) / max(ONE + cosine, OPPOSITE))
+    surge = B0 / (ONE + half / WIDTH)
+    phase = ONE + FIRST * cosine + SECOND * HALF * (THREE * cosine * cosine - ONE)
+    return float(SCATTERED * mu0 / (mu0 + mu) * ((ONE + surge) * phase + _h(mu0) * _h(mu) - ONE))
 
 
 @vector_kernel
 def reflectance(look: Look, mu0: float, mu: float, cos_phase: float) -> float:
     """Of the ground [1/sr]; mu0, mu: cosines of incidence and emission; 0 where the Sun is behind."""
-    if mu0 <= 0.0:
-        return 0.0
-    if look.regolith > 0.0:
-        return float(look.albedo * hapke(mu0, max(mu, 0.02), cos_phase) / HAPKE_AT_30)
-    return look.albedo * mu0 / math.pi
+    if mu0 <= ZERO:
+        return ZERO * mu0  # in its precision
+    if look.regolith > ZERO:
+        return float(look.albedo * hapke(mu0, max(mu, GRAZING), cos_phase) / HAPKE_AT_30)
+    return look.albedo * mu0 * MATT
 
 
 @vector_kernel
@@ -75,4 +86,4 @@ def ambient(light: Illumination, albedo: float, ground: float, normal_z: float) 
     Args:
         albedo: of the surface. ground: what the ground around sends up [W/m2].
     """
-    return albedo / math.pi * (light.diffuse * 0.5 * (1.0 + normal_z) + ground * 0.5 * (1.0 - normal_z))
+    return albedo * MATT * (light.diffuse * HALF * (ONE + normal_z) + ground * HALF * (ONE - normal_z))
