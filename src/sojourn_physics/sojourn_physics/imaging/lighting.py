@@ -15,7 +15,7 @@ from sojourn_machine.params import FloatArray
 from sojourn_machine.shapes import ALBEDO, Shapes
 from sojourn_physics.imaging.body import hides_sun
 from sojourn_physics.imaging.ground import DrawnGround, is_changed, lowered_at, slope_at
-from sojourn_physics.imaging.photometry import Illumination, Look, ambient, reflectance
+from sojourn_physics.imaging.photometry import GRAZING, Illumination, Look, ambient, reflectance
 from sojourn_physics.imaging.shadows import CastShadows, sunlit, sunlit_nearby
 from sojourn_physics.imaging.single import NEVER, ONE, ZERO, constant, narrowed
 from sojourn_physics.imaging.soils import Soils, brightness_at
@@ -29,8 +29,8 @@ phase, of the normal to the vertical, brightness of the albedo of the place, par
 SURFACE = 9
 FAR = constant(1e6)
 """Instead of the infinite distance of the sky [m]."""
-GRAZING, DARKEST = constant(0.02), constant(0.1)
-"""Least cosine of emission of a pixel, and brightness over the mean [-]."""
+DARKEST = constant(0.1)
+"""Least brightness of a place, over the mean [-]."""
 
 Vector = tuple[float, float, float]
 Line = NDArray[np.float32]
