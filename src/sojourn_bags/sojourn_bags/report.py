@@ -26,6 +26,8 @@ SIZE_INCHES = (17.0, 12.0)
 DOTS_PER_INCH = 110
 DRIVE_SHADE, ARM_SHADE = "#0072b2", "#8a00a8"
 TIME_LABEL = "simulation time [s]      blue: drive goal, violet: arm goal; faint: each value, bold: mean"
+LEGEND_ROOM = 0.2
+"""Over curves whose legend has no place beside them, of their height [-]."""
 NEEDED = ("/truth/odom", "/truth/joint_states", "/truth/contacts", "/truth/electrical")
 
 
@@ -157,7 +159,10 @@ def _draw_wrist(axes: Axes, bag: Bag) -> None:
     scale.set_ylabel("force at the wrist [N], black")
     scale.set_ylim(bottom=0.0)
     if axes.lines:
-        axes.legend(fontsize=7, loc="upper left", ncols=3, framealpha=0.85)  # the other axis has the place beside it
+        for each in (axes, scale):  # room for the legend over the curves: the other axis has the place beside them
+            low, high = each.get_ylim()
+            each.set_ylim(low, high + LEGEND_ROOM * (high - low))
+        axes.legend(fontsize=7, loc="upper left", ncols=5, frameon=False)
 
 
 def _draw_attitude(axes: Axes, bag: Bag) -> None:
