@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from sojourn_machine.params import FloatArray
 from sojourn_physics.imaging.ground import seen_ground, with_changes
-from sojourn_physics.imaging.panorama import Eye, WalkRoom, azimuth_of, direction_of, meetings, panorama
+from sojourn_physics.imaging.panorama import meetings
+from sojourn_physics.imaging.walks import Eye, WalkRoom, azimuth_of, direction_of, panorama
 from sojourn_physics.sensors.hazcam import cast_rays, relief_of
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory

@@ -217,6 +217,12 @@ def test_nothing_is_seen_or_matched_in_the_dark() -> None:
     assert (stereo_depth(eye, PAIR, (radiance, distance), time, pixel_noise(0, "b", 0)) == 0).all()
 
 
+def test_a_sun_below_the_horizon_lights_no_ground_on_the_map_or_off_it() -> None:
+    """Whatever its light is said to be: grains lean towards a Sun that is just below."""
+    image, distance = Shooting(flat(), sun(-1.0)).see(camera(view=10.0), looking(0.0, 8.0), ABOVE)
+    assert distance.min() < 9.0 and distance.max() > 14.0 and (image == 0.0).all()
+
+
 def test_a_turned_camera_sees_the_same_ground() -> None:
     """A roll of the camera turns the image."""
     field, eye, turn = rough(8), camera(121, 121), looking(10.0, 30.0)

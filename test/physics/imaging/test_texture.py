@@ -25,7 +25,7 @@ LOOK = grain(0.05, 0.04, 0.1)
 
 
 @settings(max_examples=200, deadline=None)
-@given(st.floats(1e-6, 1e3))
+@given(st.floats(np.float32(1e-6).item(), 1e3, width=32))
 def test_the_first_octave_is_that_of_the_logarithm(width: float) -> None:
     expected = max(math.frexp(width / FINEST)[1], 0)
     assert octave_for(LOOK, width) == min(expected, LOOK.octaves)

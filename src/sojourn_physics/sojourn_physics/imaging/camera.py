@@ -98,10 +98,15 @@ class Optics:
 
     lens: LensParams
     detector: DetectorParams
-    rays: NDArray[np.float32]
-    """Unit vectors in the optical frame, (rows, columns, 3)."""
+    directions: NDArray[np.float32]
+    """Unit vectors in the optical frame, one part after another, (3, rows, columns)."""
     dimming: NDArray[np.float32]
     """cos^v of each pixel, (rows, columns)."""
+
+    @property
+    def rays(self) -> NDArray[np.float32]:
+        """The directions, pixel by pixel, (rows, columns, 3)."""
+        return np.moveaxis(self.directions, 0, 2)
 
     @property
     def pixel(self) -> float:
@@ -111,9 +116,9 @@ class Optics:
 
 def optics(lens: LensParams, detector: DetectorParams) -> Optics:
     """Raises InvalidValueError as `pixel_directions`."""
-    rays = pixel_directions(lens)
-    dimming = np.clip(rays[:, :, 2], 0.0, 1.0) ** detector.vignetting
-    return Optics(lens, detector, rays.astype(np.float32), dimming.astype(np.float32))
+    directions = np.moveaxis(pixel_directions(lens), 2, 0)
+    dimming = np.clip(directions[2], 0.0, 1.0) ** detector.vignetting
+    return Optics(lens, detector, np.ascontiguousarray(directions, dtype=np.float32), dimming.astype(np.float32))
 
 
 def noise_of(seed: int, name: str, stamp: int) -> np.random.Generator:
@@ -124,7 +129,7 @@ def noise_of(seed: int, name: str, stamp: int) -> np.random.Generator:
 def exposure_for(eye: Optics, radiance: NDArray[np.float32]) -> float:
     """Time of exposure for a scene [s]; radiance: (rows, columns) [W/m2/sr]."""
     detector = eye.detector
-    bright = float(np.quantile((radiance * eye.dimming)[::4, ::4], detector.bright_part))
+    bright = float(np.quantile(radiance[::4, ::4] * eye.dimming[::4, ::4], detector.bright_part))
     wanted = detector.aim * detector.full_well / (detector.sensitivity * bright) if bright > 0.0 else math.inf
     return min(max(wanted, detector.shortest_exposure), detector.longest_exposure)
 
@@ -177,7 +182,7 @@ def stereo_depth(
     scale = eye.lens.focal_length * pair.baseline
     light = [least / gain, most / gain]
     numbers = np.array([scale, pair.nearest, pair.range, pair.disparity_noise_px, pair.baseline, *light])
-    depth: NDArray[np.uint16] = _stereo_depth(distance, radiance, eye.rays, eye.dimming, noise, numbers)
+    depth: NDArray[np.uint16] = _stereo_depth(distance, radiance, eye.directions, eye.dimming, noise, numbers)
     return depth
 
 
@@ -194,23 +199,24 @@ def _matched_light(detector: DetectorParams, pair: StereoParams) -> tuple[float,
 def _stereo_depth(
     distance: NDArray[np.float32],
     radiance: NDArray[np.float32],
-    rays: NDArray[np.float32],
+    directions: NDArray[np.float32],
     dimming: NDArray[np.float32],
     noise: PixelNoise,
     pair: FloatArray,
 ) -> NDArray[np.uint16]:
     depth = np.zeros(distance.shape, dtype=np.uint16)
     words, normals = room_for(distance.shape[1])
+    right, ahead = directions[0], directions[2]
     scale, nearest, farthest, sigma, baseline = pair[0], pair[1], pair[2], pair[3], pair[4]
     least, most = np.float32(pair[5]), np.float32(pair[6])
     for i in range(distance.shape[0]):
         fill_normals(noise, i, words, normals)
-        edge = rays[i, 0, 0] / rays[i, 0, 2] if rays[i, 0, 2] > 0.0 else np.float32(-np.inf)
+        edge = right[i, 0] / ahead[i, 0] if ahead[i, 0] > 0.0 else np.float32(-np.inf)
         for j in range(distance.shape[1]):
-            true = distance[i, j] * rays[i, j, 2]
+            true = distance[i, j] * ahead[i, j]
             if not (nearest <= true <= farthest and least <= radiance[i, j] * dimming[i, j] < most):
                 continue
-            if distance[i, j] * rays[i, j, 0] - baseline < edge * true:  # the right camera does not see it
+            if distance[i, j] * right[i, j] - baseline < edge * true:  # the right camera does not see it
                 continue
             disparity = scale / true + sigma * normals[j]
             if disparity * farthest >= scale:

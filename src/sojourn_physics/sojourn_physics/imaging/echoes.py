@@ -9,9 +9,10 @@ from sojourn_machine.kernels import njit, small_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_machine.shapes import ALBEDO, Shapes
 from sojourn_physics.imaging.ground import DrawnGround, slope_at
-from sojourn_physics.imaging.panorama import ROOM, Eye, Panorama, meet_ground
+from sojourn_physics.imaging.panorama import ROOM, meet_ground
 from sojourn_physics.imaging.shapes_ahead import BEARING, BUNDLE, NONE, bearings_of, first_shape, shapes_near
 from sojourn_physics.imaging.soils import Soils, brightness_at
+from sojourn_physics.imaging.walks import Eye, Panorama
 
 PART = 256
 """Rays that meet the ground together."""

@@ -129,7 +129,7 @@ def height_at(ground: DrawnGround, x: float, y: float) -> float:
     off = (abs(x_in_nodes - column) + abs(y_in_nodes - row)) * ground.place[3]
     if off > ground.place[3]:
         height = ground.place[5] + (height - ground.place[5]) * FADE * FADE / (FADE * FADE + off * off)
-    if ground.changes.place[3] > 1.0:
+    if any_change(ground.changes):
         height -= lowered_at(ground.changes, x, y)
     return float(height)
 
@@ -138,19 +138,25 @@ def height_at(ground: DrawnGround, x: float, y: float) -> float:
 def height_in(heights: NDArray[np.float32], column: float, row: float) -> float:
     """At a place counted in nodes, which is on the map, of the ground as it was [m]."""
     j, i = int(column), int(row)
-    u, v = np.float32(column - j), np.float32(row - i)
-    left, lower = np.uint64(j), np.uint64(i)  # without a sign there is nothing to be looked up from the end
+    return float(between(heights, (i, j), (np.float32(row - i), np.float32(column - j))))
+
+
+@small_kernel
+def between(heights: NDArray[np.float32], node: tuple[int, int], part: tuple[float, float]) -> float:
+    """At parts of a node, in single precision, above and to the right of a node, its row and its column."""
+    lower, left = np.uint64(node[0]), np.uint64(node[1])  # without a sign there is nothing to be looked up from the end
     right, upper = left + UNIT, lower + UNIT
-    low = heights[lower, left] + u * (heights[lower, right] - heights[lower, left])
-    high = heights[upper, left] + u * (heights[upper, right] - heights[upper, left])
-    return float(low + v * (high - low))
+    up, beside = part
+    low = heights[lower, left] + beside * (heights[lower, right] - heights[lower, left])
+    high = heights[upper, left] + beside * (heights[upper, right] - heights[upper, left])
+    return float(low + up * (high - low))
 
 
 @small_kernel
 def is_untouched(changes: Changes, here: tuple[float, float], there: tuple[float, float]) -> bool:
     """Whether nothing has been changed on the line between two places in map."""
     found = True
-    if changes.place[3] > 1.0:
+    if any_change(changes):
         x, y, cell = changes.place[0], changes.place[1], changes.place[2]
         column, row = (min(here[0], there[0]) - x) / cell, (min(here[1], there[1]) - y) / cell
         to_column, to_row = (max(here[0], there[0]) - x) / cell, (max(here[1], there[1]) - y) / cell
@@ -193,10 +199,16 @@ def _lowered(changes: Changes, page: int, i: int, j: int) -> float:
 
 
 @small_kernel
+def any_change(changes: Changes) -> bool:
+    """Whether any of the ground has been changed."""
+    return bool(changes.place[3] > 1.0)
+
+
+@small_kernel
 def is_changed(changes: Changes, x: float, y: float) -> bool:
     """Whether the ground has been changed in the tile of (x, y) in map."""
     found = False
-    if changes.place[3] > 1.0:
+    if any_change(changes):
         column, row = (x - changes.place[0]) / changes.place[2], (y - changes.place[1]) / changes.place[2]
         if column >= 0.0 and row >= 0.0:
             i, j = int(row) // TILE, int(column) // TILE
@@ -233,9 +245,18 @@ def slope_at(ground: DrawnGround, x: float, y: float) -> tuple[float, float]:
         c, d = ground.heights[upper, left], ground.heights[upper, right]
         dx = ((b - a) * (1.0 - v) + (d - c) * v) * ground.place[2]
         dy = ((c - a) * (1.0 - u) + (d - b) * u) * ground.place[2]
-        changes = ground.changes
-        if is_changed(changes, x, y):
-            half = 0.5 * changes.place[2]
-            dx -= (lowered_at(changes, x + half, y) - lowered_at(changes, x - half, y)) / changes.place[2]
-            dy -= (lowered_at(changes, x, y + half) - lowered_at(changes, x, y - half)) / changes.place[2]
+        if is_changed(ground.changes, x, y):
+            down_x, down_y = slope_of_changes(ground.changes, x, y)
+            dx, dy = dx - down_x, dy - down_y
     return float(dx), float(dy)
+
+
+@small_kernel
+def slope_of_changes(changes: Changes, x: float, y: float) -> tuple[float, float]:
+    """Gradient of `lowered_at` at (x, y) in map [-]."""
+    cell = changes.place[2]
+    half = 0.5 * cell
+    return (
+        (lowered_at(changes, x + half, y) - lowered_at(changes, x - half, y)) / cell,
+        (lowered_at(changes, x, y + half) - lowered_at(changes, x, y - half)) / cell,
+    )

@@ -14,11 +14,12 @@ from sojourn_machine.kernels import kernel, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
 from sojourn_machine.shapes import ALBEDO, Shapes
 from sojourn_physics.imaging.body import hides_sun
-from sojourn_physics.imaging.ground import DrawnGround, is_changed, lowered_at, slope_at
+from sojourn_physics.imaging.ground import DrawnGround, any_change, is_changed, lowered_at, slope_of_changes
+from sojourn_physics.imaging.nodes import Nodes, find_nodes, slopes_between
 from sojourn_physics.imaging.photometry import GRAZING, Illumination, Look, ambient, reflectance
-from sojourn_physics.imaging.shadows import CastShadows, sunlit, sunlit_nearby
+from sojourn_physics.imaging.shadows import CastShadows, sunlit, sunlit_between, sunlit_nearby
 from sojourn_physics.imaging.single import NEVER, ONE, ZERO, constant, narrowed
-from sojourn_physics.imaging.soils import Soils, brightness_at
+from sojourn_physics.imaging.soils import Soils, brightness_between
 from sojourn_physics.imaging.texture import Grain, Grains, add_grain
 
 X, Y, Z = range(3)
@@ -31,6 +32,8 @@ FAR = constant(1e6)
 """Instead of the infinite distance of the sky [m]."""
 DARKEST = constant(0.1)
 """Least brightness of a place, over the mean [-]."""
+ABOVE = 1e-3
+"""The ground from which the Sun is looked for, which a wheel in it is not to hide [m]."""
 
 Vector = tuple[float, float, float]
 Line = NDArray[np.float32]
@@ -55,13 +58,14 @@ class Room(NamedTuple):
     point: FloatArray
     """(3,)."""
     grains: Grains
+    nodes: Nodes
 
 
 class PlacedLens(NamedTuple):
     """A camera where it is, for the kernels."""
 
     rays: NDArray[np.float32]
-    """Unit vectors of the pixels in the optical frame, (rows, columns, 3)."""
+    """Unit vectors of the pixels in the optical frame, (3, rows, columns)."""
     turn: FloatArray
     """From the optical frame into map, (3, 3)."""
     pixel: float
@@ -78,18 +82,6 @@ class Scene(NamedTuple):
     light: Illumination
     cast: CastShadows
     body: Shapes
-
-
-@small_kernel
-def ray_of(view: PlacedLens, i: int, j: int) -> Vector:
-    """Unit vector in map that a pixel sees."""
-    turn = view.turn
-    a, b, c = view.rays[i, j, 0], view.rays[i, j, 1], view.rays[i, j, 2]
-    return (
-        turn[0, 0] * a + turn[0, 1] * b + turn[0, 2] * c,
-        turn[1, 0] * a + turn[1, 1] * b + turn[1, 2] * c,
-        turn[2, 0] * a + turn[2, 1] * b + turn[2, 2] * c,
-    )
 
 
 @kernel
@@ -119,7 +111,8 @@ def light_ground(scene: Scene, rays: Line, eye: Seat, distance: Line, radiance: 
     """
     spots, surface = room.spots, room.surface
     _places(rays, eye, distance, radiance, spots)
-    _slopes(scene.ground, spots, surface)
+    find_nodes(scene.ground, spots[X], spots[Y], room.nodes)
+    _slopes(scene.ground, room)
     _widths(rays, eye, distance, surface)
     _grains(scene, room)
     _normals(scene, rays, surface)
@@ -139,9 +132,16 @@ def _places(rays: Line, eye: Seat, distance: Line, radiance: Line, spots: FloatA
 
 
 @small_kernel
-def _slopes(ground: DrawnGround, spots: FloatArray, surface: Line) -> None:
-    for j in range(spots.shape[1]):
-        surface[SLOPE_X, j], surface[SLOPE_Y, j] = slope_at(ground, spots[X, j], spots[Y, j])
+def _slopes(ground: DrawnGround, room: Room) -> None:
+    spots, surface, changes = room.spots, room.surface, ground.changes
+    slopes_between(ground, room.nodes, surface[SLOPE_X], surface[SLOPE_Y])
+    if any_change(changes):
+        for j in range(spots.shape[1]):
+            x, y = spots[X, j], spots[Y, j]
+            if room.nodes.on[j] > ZERO and is_changed(changes, x, y):
+                down_x, down_y = slope_of_changes(changes, x, y)
+                surface[SLOPE_X, j] -= narrowed(down_x)
+                surface[SLOPE_Y, j] -= narrowed(down_y)
 
 
 @vector_kernel
@@ -160,12 +160,11 @@ def _grains(scene: Scene, room: Room) -> None:
     """The fine slope and the brightness of the ground."""
     spots, surface = room.spots, room.surface
     add_grain(scene.grain, spots[X], spots[Y], surface[WIDTH], room.grains)
+    brightness_between(scene.soils, scene.ground, room.nodes, surface[SHADE])
     for j in range(spots.shape[1]):
         surface[SLOPE_X, j] += room.grains.slope_x[j]
         surface[SLOPE_Y, j] += room.grains.slope_y[j]
-        surface[SHADE, j] = max(ONE + room.grains.bright[j], DARKEST)
-    for j in range(spots.shape[1]):
-        surface[SHADE, j] *= narrowed(brightness_at(scene.soils, spots[X, j], spots[Y, j]))
+        surface[SHADE, j] *= max(ONE + room.grains.bright[j], DARKEST)
 
 
 @vector_kernel
@@ -183,23 +182,45 @@ def _normals(scene: Scene, rays: Line, surface: Line) -> None:
 @small_kernel
 def _sunlight(scene: Scene, room: Room) -> None:
     """The part of the Sun that the ground sees, where it faces it."""
-    ground, sun, spots, surface = scene.ground, scene.cast.sun, room.spots, room.surface
-    if scene.light.direct <= 0.0:
-        for j in range(spots.shape[1]):
-            surface[LIT, j] = ZERO
+    ground, sun, spots, surface, nodes = scene.ground, scene.cast.sun, room.spots, room.surface, room.nodes
+    if scene.light.direct <= 0.0 or sun[2] <= -sun[3]:
+        surface[LIT] = ZERO
         return
+    changed = any_change(ground.changes)
     for j in range(spots.shape[1]):
         x, y, z = spots[X, j], spots[Y, j], spots[Z, j]
-        if is_changed(ground.changes, x, y):  # below its own surface as it was all would be dark
+        if changed and is_changed(ground.changes, x, y):  # below its own surface as it was all would be dark
             z += lowered_at(ground.changes, x, y)
-        surface[LIT, j] = sunlit(ground, scene.cast, x, y, z)
-    for j in range(spots.shape[1]):
-        if surface[LIT, j] > ZERO and surface[TOWARDS_SUN, j] > ZERO:
+        surface[LIT, j] = ONE
+        if nodes.on[j] > ZERO:
+            part = nodes.up[j], nodes.right[j]
+            surface[LIT, j] = sunlit_between(ground, scene.cast, (nodes.row[j], nodes.column[j]), part, z)
+    if changed:
+        for j in range(spots.shape[1]):
             x, y, z = spots[X, j], spots[Y, j], spots[Z, j]
-            if is_changed(ground.changes, x, y):
+            if surface[LIT, j] > ZERO and surface[TOWARDS_SUN, j] > ZERO and is_changed(ground.changes, x, y):
                 surface[LIT, j] *= narrowed(sunlit_nearby(ground, sun, x, y, z))
-            if hides_sun(scene.body, sun, x, y, z + 1e-3, room.point):
+    if _may_be_shaded(scene.body, sun, spots):
+        for j in range(spots.shape[1]):
+            x, y, z = spots[X, j], spots[Y, j], spots[Z, j] + ABOVE
+            if (
+                surface[LIT, j] > ZERO
+                and surface[TOWARDS_SUN, j] > ZERO
+                and hides_sun(scene.body, sun, x, y, z, room.point)
+            ):
                 surface[LIT, j] = ZERO
+
+
+@vector_kernel
+def _may_be_shaded(body: Shapes, sun: FloatArray, spots: FloatArray) -> bool:
+    """Whether the ball about the machine stands between one of the spots and the Sun."""
+    towards = body.around[0], body.around[1], body.around[2] - ABOVE
+    radius, count = body.around[3], 0
+    for j in range(spots.shape[1]):
+        dx, dy, dz = towards[0] - spots[X, j], towards[1] - spots[Y, j], towards[2] - spots[Z, j]
+        along = dx * sun[0] + dy * sun[1] + dz * sun[2]
+        count += (along >= -radius) & (dx * dx + dy * dy + dz * dz - along * along <= radius * radius)
+    return count > 0
 
 
 @vector_kernel

@@ -6,27 +6,25 @@ ray that rises by t for each metre meets it first where the line of sight has ri
     M(s) = max over s' <= s of (h(s') - z_0)/s' >= t
 
 M never falls, so one walk along the profile answers every ray of its azimuth (line of sight by a running maximum:
-Blelloch 1990, Prefix Sums and Their Applications, CMU-CS-90-190). A `Panorama` keeps these walks by
-azimuth, made when a ray first asks for one, by strides of half a node, or of a whole one where half a node is less than
-a bin of azimuth: for each bin of the ray's rise per metre of its own length the way s at which it is reached. A ray
-finds its bracket in the two walks beside it. Where that is short, and off the map, where the ground is smooth, the
-ground in it is a straight line; elsewhere, and where that line is steep and not on the ground, its own crossing is
-found by steps of half a node and regula falsi (Illinois): beside a wall of one cell lies level ground, which returns
-nothing. A shape narrower than a bin of azimuth, about a pixel, may be missed.
+Blelloch 1990, Prefix Sums and Their Applications, CMU-CS-90-190). A `Panorama` keeps these walks by azimuth, made when
+a ray first asks for one (`walks`): for each bin of the ray's rise per metre of its own length the way s at which it is
+reached. A ray finds its bracket in the two walks beside it. Where that is short, and off the map, where the ground is
+smooth, the ground in it is a straight line; elsewhere, and where that line is steep and not on the ground, its own
+crossing is found by steps of half a node and regula falsi (Illinois): beside a wall of one cell lies level ground,
+which returns nothing. A shape narrower than a bin of azimuth, about a pixel, may be missed.
 
-Azimuth is counted in quarters by p = y/(|x| + |y|), which needs no arc tangent. The ground of a round body falls away
-by s²/2R under the level. Nothing is seen from below the ground.
+The ground of a round body falls away by s²/2R under the level. Nothing is seen from below the ground.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from sojourn_machine.kernels import kernel, njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.ground import UNIT, DrawnGround, height_at, height_in, is_untouched, stride_at
-from sojourn_physics.imaging.single import FOUR, NEVER, TWO, ZERO, constant, narrowed
+from sojourn_physics.imaging.ground import UNIT, DrawnGround, stride_at
+from sojourn_physics.imaging.single import NEVER, ZERO, constant, narrowed
+from sojourn_physics.imaging.walks import Eye, Panorama, azimuth_of, height_over, walk
 
 ILLINOIS = 6
 """Steps of regula falsi at most."""
@@ -45,186 +43,8 @@ PLUMB, ALONG = 1e-7, constant(1e-9)
 """Way over ground of a ray that is plumb, for each metre, and the slope of ground over that of a ray along it [-]."""
 UNKNOWN = constant(-1.0)
 """Instead of a distance."""
-RISE = 0.5
-"""Height of a bin, of its width [-]: a walk costs no more for it, and a ray has less to search."""
-CHUNK = 64
-"""Strides of half a node of which heights are looked up together."""
 MARGIN = 0.25
 """Of a stride, on both sides of what two walks say [-]."""
-
-Course = tuple[float, float, float, float, float, float]
-"""Of a walk: from where, in map [m] and counted in nodes, and the unit vector over ground."""
-
-
-class Eye(NamedTuple):
-    """From where, and how far."""
-
-    place: FloatArray
-    """In map, shape (3,) [m]."""
-    reach: float
-    """The farthest ground that is looked for, over ground [m]."""
-    fall: float
-    """By which the ground falls away under the level, 1/2R, for the square of the way [1/m]."""
-
-
-class Panorama(NamedTuple):
-    """Walks along the ground around an eye."""
-
-    way: np.ndarray
-    """float32, (azimuths + 1, bins + 1): way over ground to where a bin is reached, infinite where it never is [m]."""
-    done: np.ndarray
-    """bool, (azimuths + 1,): which walks have been made."""
-    rises: FloatArray
-    """(bins + 1,): rise of the bins' lower edges for each metre over ground."""
-    lowest: float
-    """Rise of the lowest bin for each metre of the ray's own length."""
-    bin: float
-    """Height of a bin, in the same."""
-    heights: FloatArray
-    """Room for a part of a walk, (CHUNK,)."""
-
-
-class WalkRoom:
-    """Memory for one panorama after another: new memory comes from the system page by page, which takes a tenth of the
-    time of an image.
-    """
-
-    def __init__(self) -> None:
-        self._numbers = np.empty(0, dtype=np.float32)
-
-    def of(self, rows: int, columns: int) -> np.ndarray:
-        """Of this shape, with what was in it; it is that of the last time as well."""
-        if self._numbers.size < rows * columns:
-            self._numbers = np.empty(rows * columns, dtype=np.float32)
-        return self._numbers[: rows * columns].reshape(rows, columns)
-
-
-def panorama(resolution: float, lowest: float, highest: float, ways: WalkRoom) -> Panorama:
-    """An empty one.
-
-    Args:
-        resolution: angle of its bins [rad]. lowest, highest: least and greatest rise of the rays that will be asked
-            for, for each metre of their length, -1 to 1. ways: where it is made; one made there before ends.
-    """
-    azimuths = 4 * math.ceil(0.5 * math.pi / resolution)
-    lowest, highest = max(lowest - resolution, -1.0), min(highest + resolution, 1.0)
-    height = RISE * resolution
-    bins = max(math.ceil((highest - lowest) / height), 1)
-    edges = np.clip(lowest + height * np.arange(bins + 1), -1.0 + 1e-9, 1.0 - 1e-9)
-    way = ways.of(azimuths + 1, bins + 1)
-    done = np.zeros(azimuths + 1, dtype=np.bool_)
-    return Panorama(way, done, edges / np.sqrt(1.0 - edges**2), lowest, height, np.empty(CHUNK))
-
-
-@vector_kernel
-def azimuth_of(x: float, y: float) -> float:
-    """Of a direction, from 0 to 4, a quarter each."""
-    length = abs(x) + abs(y)
-    part = y / length if length > ZERO else ZERO * y  # in its precision
-    if x >= ZERO:
-        return part if y >= ZERO else FOUR + part
-    return TWO - part
-
-
-@kernel
-def direction_of(azimuth: float) -> tuple[float, float]:
-    """Unit vector over ground of an azimuth: the inverse of `azimuth_of`."""
-    part = azimuth - 4.0 if azimuth > 3.0 else (2.0 - azimuth if azimuth > 1.0 else azimuth)
-    x, y = 1.0 - abs(part), part
-    if 1.0 < azimuth <= 3.0:
-        x = -x
-    length = math.sqrt(x * x + y * y)
-    return x / length, y / length
-
-
-@small_kernel
-def height_over(ground: DrawnGround, eye: Eye, x: float, y: float, way: float) -> float:
-    """Of the ground over the eye's level, `way` from it over ground [m]."""
-    return float(height_at(ground, x, y) - eye.place[2] - way * way * eye.fall)
-
-
-@kernel
-def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
-    """Walk along one azimuth and write where each bin is reached."""
-    ways, rises = around.way[place], around.rises
-    count = rises.shape[0]
-    for i in range(count):
-        ways[i] = NEVER
-    around.done[place] = True
-    ahead_x, ahead_y = direction_of(4.0 * place / (around.way.shape[0] - 1))
-    x0, y0, top = eye.place[0], eye.place[1], ground.place[4] - eye.place[2]
-    near, low = 0.0, height_over(ground, eye, x0, y0, 0.0)
-    following = 0
-    if low >= 0.0:  # under the ground
-        return
-    stride, resolution = 0.5 * ground.place[3], around.bin / RISE
-    column, row = (x0 - ground.place[0]) * ground.place[2], (y0 - ground.place[1]) * ground.place[2]
-    inside = _strides_inside(ground, column, row, ahead_x, ahead_y)
-    course = (x0, y0, column, row, ahead_x, ahead_y)
-    step, heights = 1, around.heights
-    while near < eye.reach and following < count:
-        if rises[following] >= 0.0 and top < rises[following] * near:  # nothing is so high
-            break
-        pace = 2 if stride < near * resolution else 1
-        strides = min((inside - step + pace - 1) // pace, CHUNK)
-        if strides > 0:
-            _heights_ahead(ground, course, (step, pace), heights[:strides])
-        else:
-            strides = 1
-            far = min(near + stride_at(ground, x0 + near * ahead_x, y0 + near * ahead_y, near), eye.reach)
-            heights[0] = height_at(ground, x0 + far * ahead_x, y0 + far * ahead_y)
-        for k in range(strides):
-            if step < inside:
-                far = (step + pace * k) * stride
-            high = heights[k] - eye.place[2] - far * far * eye.fall
-            while following < count and high >= rises[following] * far:
-                # the line between the two samples and the ray, over the ground between them
-                above = rises[following] * near - low
-                part = above / (above + high - rises[following] * far) if above > 0.0 else 0.0
-                ways[following] = np.float32(near + part * (far - near))
-                following += 1
-            near, low = far, high
-        step += pace * strides
-
-
-@small_kernel
-def _heights_ahead(ground: DrawnGround, course: Course, steps: tuple[int, int], heights: FloatArray) -> None:
-    """Write the heights of the ground along a course, at places on the map [m].
-
-    Args:
-        steps: half nodes to the first place, and from one to the next.
-    """
-    x0, y0, column, row, ahead_x, ahead_y = course
-    step, pace = steps
-    node = ground.place[3]
-    first, last = 0.5 * step * node, 0.5 * (step + pace * (heights.shape[0] - 1)) * node
-    here, there = (x0 + first * ahead_x, y0 + first * ahead_y), (x0 + last * ahead_x, y0 + last * ahead_y)
-    if is_untouched(ground.changes, here, there):  # as `height_at` has it, without asking whether there is a map
-        for k in range(heights.shape[0]):
-            way = 0.5 * (step + pace * k)
-            heights[k] = height_in(ground.heights, column + way * ahead_x, row + way * ahead_y)
-    else:
-        for k in range(heights.shape[0]):
-            way = 0.5 * (step + pace * k) * node
-            heights[k] = height_at(ground, x0 + way * ahead_x, y0 + way * ahead_y)
-
-
-@small_kernel
-def _strides_inside(ground: DrawnGround, column: float, row: float, ahead_x: float, ahead_y: float) -> int:
-    """How many strides of half a node from a place, counted in nodes, stay on the map."""
-    rows, columns = ground.heights.shape
-    far = 0.0
-    if 0.0 <= column < columns - 1 and 0.0 <= row < rows - 1:
-        far = 2.0 * (rows + columns)
-        if ahead_x > 1e-9:
-            far = min(far, (columns - 1 - column) / ahead_x)
-        elif ahead_x < -1e-9:
-            far = min(far, -column / ahead_x)
-        if ahead_y > 1e-9:
-            far = min(far, (rows - 1 - row) / ahead_y)
-        elif ahead_y < -1e-9:
-            far = min(far, -row / ahead_y)
-    return int(2.0 * far) - 1
 
 
 @kernel
@@ -276,7 +96,7 @@ def _bearings(around: Panorama, rays: FloatArray, room: FloatArray) -> None:
 def _look_up(around: Panorama, room: FloatArray) -> None:
     """Write what the walks beside each ray say of its bin: ways to its lower and its upper edge, and their rises."""
     ways, rises = around.way, around.rises
-    last, bins = ways.shape[0] - 1, rises.shape[0] - 1
+    last, bins = ways.shape[0] - 1, ways.shape[1] - 1
     for i in range(room.shape[1]):
         left = np.uint64(min(int(room[AZIMUTH, i]), last - 1))  # without a sign there is nothing to be looked up
         at = np.uint64(min(max(int(room[HEIGHT, i]), 0), bins - 1))  # from the end

@@ -15,12 +15,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_machine.kernels import kernel, njit, small_kernel
+from sojourn_machine.kernels import kernel, njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.lighting import SURFACE, PlacedLens, Room, Scene, Seat, light_ground, ray_of, shape_light
-from sojourn_physics.imaging.panorama import ROOM, Eye, Panorama, meet_ground
+from sojourn_physics.imaging.lighting import SURFACE, PlacedLens, Room, Scene, Seat, light_ground, shape_light
+from sojourn_physics.imaging.nodes import nodes_for
+from sojourn_physics.imaging.panorama import ROOM, meet_ground
 from sojourn_physics.imaging.shapes_ahead import BEARING, NONE, bearings_of, first_shape, shapes_in_cone
+from sojourn_physics.imaging.single import narrowed
 from sojourn_physics.imaging.texture import grains_for
+from sojourn_physics.imaging.walks import Eye, Panorama
 
 SIDE = 16
 """Pixels along the side of a block."""
@@ -38,12 +41,12 @@ Image = NDArray[np.float32]
 @njit(cache=True, nogil=True)
 def render(scene: Scene, view: PlacedLens, eye: Eye, around: Panorama) -> tuple[Image, Image]:
     """Radiance of the whole spectrum [W/m2/sr] and distance [m] of each pixel, (rows, columns); infinite: the sky."""
-    rows, columns, _ = view.rays.shape
+    _, rows, columns = view.rays.shape
     image = np.empty((rows, columns), dtype=np.float32), np.empty((rows, columns), dtype=np.float32)
     bearings = np.empty((scene.body.sizes.shape[0], BEARING))
     near = np.empty(bearings.shape[0], dtype=np.int64)
     rays, surface = np.empty((3, PIXELS), dtype=np.float32), np.empty((max(SURFACE, ROOM), PIXELS), dtype=np.float32)
-    room = Room(np.empty((3, PIXELS)), surface, np.empty(3), grains_for(PIXELS))
+    room = Room(np.empty((3, PIXELS)), surface, np.empty(3), grains_for(PIXELS), nodes_for(PIXELS))
     radiance, distance = np.empty(PIXELS, dtype=np.float32), np.empty(PIXELS, dtype=np.float32)
     seat = Seat(eye.place, view.pixel)
     bearings_of(scene.body, eye.place, bearings)
@@ -64,15 +67,20 @@ def render(scene: Scene, view: PlacedLens, eye: Eye, around: Panorama) -> tuple[
     return image
 
 
-@small_kernel
-def _rays_of(view: PlacedLens, top: int, left: int, rays: FloatArray) -> None:
+@vector_kernel
+def _rays_of(view: PlacedLens, top: int, left: int, rays: Line) -> None:
     """Write the rays of a block in map, row by row, (3, PIXELS); beyond the edge of the image those at the edge."""
-    rows, columns, _ = view.rays.shape
-    for k in range(SIDE):
-        for m in range(SIDE):
-            ray = ray_of(view, min(top + k, rows - 1), min(left + m, columns - 1))
-            at = SIDE * k + m
-            rays[0, at], rays[1, at], rays[2, at] = ray
+    _, rows, columns = view.rays.shape
+    for axis in range(3):
+        a, b, c = narrowed(view.turn[axis, 0]), narrowed(view.turn[axis, 1]), narrowed(view.turn[axis, 2])
+        for k in range(SIDE):
+            row, at = min(top + k, rows - 1), SIDE * k
+            inside = min(SIDE, columns - left)
+            for m in range(inside):
+                i = left + m
+                rays[axis, at + m] = a * view.rays[0, row, i] + b * view.rays[1, row, i] + c * view.rays[2, row, i]
+            for m in range(inside, SIDE):
+                rays[axis, at + m] = rays[axis, at + inside - 1]
 
 
 @small_kernel

@@ -20,7 +20,6 @@ from sojourn_physics.imaging.camera import Optics
 from sojourn_physics.imaging.echoes import Sounded, echoes
 from sojourn_physics.imaging.ground import DrawnGround, seen_ground, with_changes
 from sojourn_physics.imaging.lighting import PlacedLens, Scene
-from sojourn_physics.imaging.panorama import Eye, WalkRoom, panorama
 from sojourn_physics.imaging.photometry import Illumination, Look
 from sojourn_physics.imaging.ranging import Beams
 from sojourn_physics.imaging.render import render
@@ -28,6 +27,7 @@ from sojourn_physics.imaging.shadows import CastShadows, shadows
 from sojourn_physics.imaging.soils import Soils, soils_of
 from sojourn_physics.imaging.texture import grain
 from sojourn_physics.imaging.touch import way_ahead
+from sojourn_physics.imaging.walks import Eye, WalkRoom, panorama
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.memory import GroundMemory
 
@@ -106,9 +106,9 @@ class Scenery:
             turn: from the optical frame into map, (3, 3). places: of the cameras in map, each (3,) [m].
             all_of: makes calls that share nothing, and returns what they do in their order.
         """
-        rises = eye.rays @ turn[2].astype(np.float32)
+        rises = np.einsum("k,kij->ij", turn[2].astype(np.float32), eye.directions)
         lowest, highest = float(rises.min()), float(rises.max())
-        view = PlacedLens(eye.rays, np.ascontiguousarray(turn), eye.pixel)
+        view = PlacedLens(eye.directions, np.ascontiguousarray(turn), eye.pixel)
 
         def looking_from(number: int) -> Callable[[], Seen]:
             at = Eye(np.array(places[number], dtype=np.float64), FARTHEST, 0.5 / self._place.radius)

@@ -24,10 +24,11 @@ from numpy.typing import NDArray
 
 from sojourn_machine.kernels import kernel, small_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.ground import DrawnGround, height_at, height_in, on_map
+from sojourn_physics.imaging.ground import DrawnGround, between, height_at, on_map
 
 BLOCK = 8
 """Cells between nodes along the side of a block."""
+BLOCK_SIDE = np.uint64(BLOCK)
 UNKNOWN, MIXED, LIT = range(3)
 """What is known of a block: nothing, the shadows at its nodes, or that all of it is lit."""
 CLEAR = 1e-3
@@ -113,25 +114,32 @@ def _shadow_tops(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> tu
 @small_kernel
 def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float) -> float:
     """Part of the Sun's disc that a point over the ground in map sees, as far as the height field hides it, 0 to 1."""
+    column, row = (x - ground.place[0]) * ground.place[2], (y - ground.place[1]) * ground.place[2]
+    i, j = math.floor(row), math.floor(column)
+    return float(sunlit_between(ground, cast, (i, j), (np.float32(row - i), np.float32(column - j)), z))
+
+
+@small_kernel
+def sunlit_between(
+    ground: DrawnGround, cast: CastShadows, node: tuple[int, int], part: tuple[float, float], z: float
+) -> float:
+    """The same of a point at a height, above and to the right of a node as in `ground.between`, on the map or off."""
     if cast.sun[2] <= -cast.sun[3]:
         return 0.0
     rows, columns = cast.lit.shape
-    column = (x - ground.place[0]) * ground.place[2] - cast.first[1]
-    row = (y - ground.place[1]) * ground.place[2] - cast.first[0]
-    if not (0.0 <= column < columns - 1 and 0.0 <= row < rows - 1):
+    i, j = node[0] - cast.first[0], node[1] - cast.first[1]
+    if not (0 <= i < rows - 1 and 0 <= j < columns - 1):
         return 1.0
-    i, j = int(row), int(column)
-    block_row, block_column = i // BLOCK, j // BLOCK
+    block_row, block_column = np.uint64(i) // BLOCK_SIDE, np.uint64(j) // BLOCK_SIDE
     if cast.known[block_row, block_column] == UNKNOWN:
-        _fill(ground, cast, block_row, block_column)
+        _fill(ground, cast, np.int64(block_row), np.int64(block_column))
     if cast.known[block_row, block_column] == LIT:
         return 1.0
-    lit = height_in(cast.lit, column, row)
+    lit = between(cast.lit, (i, j), part)
     if z >= lit:
         return 1.0
-    dark = height_in(cast.dark, column, row)
-    part = (z - dark) / max(lit - dark, 1e-6)
-    return float(min(max(part, 0.0), 1.0))
+    dark = between(cast.dark, (i, j), part)
+    return float(min(max((z - dark) / max(lit - dark, 1e-6), 0.0), 1.0))
 
 
 @kernel

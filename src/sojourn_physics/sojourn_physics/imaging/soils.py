@@ -3,9 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sojourn_machine.kernels import small_kernel
 from sojourn_machine.params import FloatArray
+from sojourn_physics.imaging.ground import DrawnGround
+from sojourn_physics.imaging.nodes import Nodes
+from sojourn_physics.imaging.single import HALF, ONE, ZERO, narrowed
 from sojourn_physics.terrain.height_field import HeightField, SoilArray, sample_soil
 
 
@@ -40,3 +44,17 @@ def brightness_at(soils: Soils, x: float, y: float) -> float:
         return 1.0
     soil = sample_soil(soils.of_node, soils.place[0], soils.place[1], soils.place[2], x, y)
     return float(soils.brightness[soil])
+
+
+@small_kernel
+def brightness_between(soils: Soils, ground: DrawnGround, nodes: Nodes, bright: NDArray[np.float32]) -> None:
+    """Write the same of places between the nodes of the ground, (n,), but for half a node around the map."""
+    if soils.of_node.size == 1:
+        bright[:] = narrowed(soils.brightness[soils.of_node[0, 0]])
+        return
+    scale = narrowed(ground.place[3] / soils.place[2])
+    for j in range(bright.shape[0]):
+        column = np.int32((np.float32(nodes.column[j]) + nodes.right[j]) * scale + HALF)
+        row = np.int32((np.float32(nodes.row[j]) + nodes.up[j]) * scale + HALF)
+        soil = soils.of_node[np.uint64(row), np.uint64(column)]
+        bright[j] = narrowed(soils.brightness[soil]) if nodes.on[j] > ZERO else ONE

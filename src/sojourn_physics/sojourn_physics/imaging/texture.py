@@ -18,16 +18,17 @@ from numpy.typing import NDArray
 
 from sojourn_machine.kernels import njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
+from sojourn_physics.imaging.single import ONE, ZERO, constant, narrowed
 
 SIZE = 256
 """Texels along the side of the noise, a power of two."""
 MASK = SIZE - 1
-UNIT = np.uint64(1)
 WAVE = 4
 """Texels of a bump."""
 FIRST = 10
 FINEST = 2.0**-FIRST
 """Width of the narrowest bump [m]."""
+NARROWEST, TEXELS = constant(FINEST), constant(WAVE)
 OCTAVES = 3
 """That are seen at once."""
 SCALE = 32.0
@@ -97,10 +98,10 @@ def grains_for(count: int) -> Grains:
 
 
 @vector_kernel
-def octave_for(look: Grain, width: float) -> int:
+def octave_for(look: Grain, width: float) -> np.int32:
     """First octave whose bumps are wider than `width` [m], or than all that the ground has not."""
-    above = int(np.float64(width).view(np.int64) >> 52) - 1022  # of the powers of 2 above it the lowest
-    return min(max(above + FIRST, 0), look.octaves)
+    above = (np.float32(width).view(np.int32) >> np.int32(23)) - np.int32(126)  # of the powers of 2 above it the lowest
+    return np.int32(min(max(above + np.int32(FIRST), np.int32(0)), np.int32(look.octaves)))
 
 
 @small_kernel
@@ -123,10 +124,10 @@ def _octaves(look: Grain, width: FloatArray, grains: Grains) -> None:
     """Of each place its first octave, the weight of it, and texels a metre."""
     for j in range(width.shape[0]):
         octave = octave_for(look, width[j])
-        bump = FINEST * (UNIT << np.uint64(octave))
+        bump = NARROWEST * np.float32(np.int32(1) << octave)
         grains.octave[j] = octave
-        grains.weight[j] = min(max(bump / width[j] - 1.0, 0.0), 1.0)
-        grains.scale[j] = WAVE / bump
+        grains.weight[j] = min(max(bump / narrowed(width[j]) - ONE, ZERO), ONE)
+        grains.scale[j] = TEXELS / bump
 
 
 @vector_kernel
