@@ -27,6 +27,8 @@ CHUNK = 64
 """Places that are looked up together."""
 BEYOND = 16
 """Of them off the map."""
+INSIDE = 1.01
+"""Nodes by which a walk begins off the far edge at least: along it no place may be taken for one beyond it."""
 AT_ONCE = 8
 """Bins that are written at once."""
 Line = NDArray[np.float32]
@@ -45,7 +47,7 @@ class Eye(NamedTuple):
     """By which the ground falls away under the level, 1/2R, for the square of the way [1/m]."""
 
 
-class Part(NamedTuple):
+class Stretch(NamedTuple):
     """Of a walk: room for CHUNK places after the one before."""
 
     far: Line
@@ -73,7 +75,7 @@ class Panorama(NamedTuple):
     """Rise of the lowest bin for each metre of the ray's own length."""
     bin: float
     """Height of a bin, in the same."""
-    part: Part
+    part: Stretch
 
 
 class WalkRoom:
@@ -106,7 +108,7 @@ def panorama(resolution: float, lowest: float, highest: float, ways: WalkRoom) -
     way = ways.of(azimuths + 1, bins + 1)
     done = np.zeros(azimuths + 1, dtype=np.bool_)
     rises = (edges / np.sqrt(1.0 - edges**2)).astype(np.float32)
-    part = Part(
+    part = Stretch(
         np.empty(CHUNK + 1, dtype=np.float32),
         np.empty(CHUNK + 1, dtype=np.float32),
         nodes_for(CHUNK),
@@ -179,7 +181,7 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
 
 
 @small_kernel
-def _look_along(ground: DrawnGround, eye: Eye, part: Part, course: Course, steps: tuple[int, int, int]) -> None:
+def _look_along(ground: DrawnGround, eye: Eye, part: Stretch, course: Course, steps: tuple[int, int, int]) -> None:
     """Write the ways and heights of places along a course, on the map.
 
     Args:
@@ -217,7 +219,7 @@ def _nodes_along(course: Course, steps: tuple[float, float], nodes: Nodes) -> No
 
 
 @vector_kernel
-def _over_level(part: Part, steps: tuple[float, float], eye: tuple[float, float], count: int) -> None:
+def _over_level(part: Stretch, steps: tuple[float, float], eye: tuple[float, float], count: int) -> None:
     """Write the ways of places, and of their heights how far they are over the eye's level.
 
     Args:
@@ -232,7 +234,7 @@ def _over_level(part: Part, steps: tuple[float, float], eye: tuple[float, float]
 
 
 @small_kernel
-def _look_beyond(ground: DrawnGround, eye: Eye, part: Part, course: Course, count: int) -> None:
+def _look_beyond(ground: DrawnGround, eye: Eye, part: Stretch, course: Course, count: int) -> None:
     """Write the ways and heights of the next places along a course, off the map, where strides grow with the way."""
     _, _, ahead_x, ahead_y = course
     x0, y0, far = eye.place[0], eye.place[1], np.float64(part.far[0])
@@ -291,7 +293,7 @@ def _strides_inside(ground: DrawnGround, course: Course) -> int:
     rows, columns = ground.heights.shape
     column, row, ahead_x, ahead_y = course
     far = 0.0
-    if 0.0 <= column < columns - 1 and 0.0 <= row < rows - 1:
+    if 0.0 <= column <= columns - INSIDE and 0.0 <= row <= rows - INSIDE:
         far = 2.0 * (rows + columns)
         if ahead_x > 1e-9:
             far = min(far, (columns - 1 - column) / ahead_x)
