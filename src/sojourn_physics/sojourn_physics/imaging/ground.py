@@ -24,6 +24,8 @@ FADE = 10.0
 FAR_STRIDE = 0.05
 """Off the map a stride grows with the distance, by this part of it [-]."""
 UNIT = np.uint64(1)
+INSIDE = 1.00001
+"""Nodes by which a place is off the far edge at least: it has a node beyond it."""
 HIGHEST_HEAP = 0.5
 """Above the height field's own highest node [m]."""
 
@@ -124,21 +126,15 @@ def height_at(ground: DrawnGround, x: float, y: float) -> float:
     """Of the ground at (x, y) in map as it is now [m]."""
     rows, columns = ground.heights.shape
     x_in_nodes, y_in_nodes = (x - ground.place[0]) * ground.place[2], (y - ground.place[1]) * ground.place[2]
-    column, row = min(max(x_in_nodes, 0.0), columns - 1.00001), min(max(y_in_nodes, 0.0), rows - 1.00001)
-    height = height_in(ground.heights, column, row)
+    column, row = min(max(x_in_nodes, 0.0), columns - INSIDE), min(max(y_in_nodes, 0.0), rows - INSIDE)
+    i, j = int(row), int(column)
+    height = between(ground.heights, (i, j), (np.float32(row - i), np.float32(column - j)))
     off = (abs(x_in_nodes - column) + abs(y_in_nodes - row)) * ground.place[3]
     if off > ground.place[3]:
         height = ground.place[5] + (height - ground.place[5]) * FADE * FADE / (FADE * FADE + off * off)
     if any_change(ground.changes):
         height -= lowered_at(ground.changes, x, y)
     return float(height)
-
-
-@small_kernel
-def height_in(heights: NDArray[np.float32], column: float, row: float) -> float:
-    """At a place counted in nodes, which is on the map, of the ground as it was [m]."""
-    j, i = int(column), int(row)
-    return float(between(heights, (i, j), (np.float32(row - i), np.float32(column - j))))
 
 
 @small_kernel
@@ -236,8 +232,8 @@ def slope_at(ground: DrawnGround, x: float, y: float) -> tuple[float, float]:
     dx, dy = 0.0, 0.0
     if on_map(ground, x, y):
         rows, columns = ground.heights.shape
-        column = min(max((x - ground.place[0]) * ground.place[2], 0.0), columns - 1.00001)
-        row = min(max((y - ground.place[1]) * ground.place[2], 0.0), rows - 1.00001)
+        column = min(max((x - ground.place[0]) * ground.place[2], 0.0), columns - INSIDE)
+        row = min(max((y - ground.place[1]) * ground.place[2], 0.0), rows - INSIDE)
         left, lower = np.uint64(int(column)), np.uint64(int(row))
         right, upper = left + UNIT, lower + UNIT
         u, v = column - int(column), row - int(row)

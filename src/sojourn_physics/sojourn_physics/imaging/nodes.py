@@ -11,11 +11,8 @@ from numpy.typing import NDArray
 
 from sojourn_machine.kernels import njit, small_kernel, vector_kernel
 from sojourn_machine.params import FloatArray
-from sojourn_physics.imaging.ground import UNIT, DrawnGround
+from sojourn_physics.imaging.ground import INSIDE, UNIT, DrawnGround
 from sojourn_physics.imaging.single import ONE, ZERO, narrowed
-
-INSIDE = 1.00001
-"""Nodes by which a place is off the far edge at least: it has a node beyond it."""
 
 
 class Nodes(NamedTuple):
@@ -53,6 +50,7 @@ def find_nodes(ground: DrawnGround, x: FloatArray, y: FloatArray, nodes: Nodes) 
         left, lower = np.int32(column), np.int32(row)
         nodes.column[j], nodes.row[j] = left, lower
         nodes.right[j], nodes.up[j] = np.float32(column - left), np.float32(row - lower)
+        # as `on_map`, without a branch
         nodes.on[j] = ONE if (x_min <= x[j]) & (x[j] <= x_max) & (y_min <= y[j]) & (y[j] <= y_max) else ZERO
 
 

@@ -114,6 +114,8 @@ def _shadow_tops(ground: DrawnGround, sun: FloatArray, x: float, y: float) -> tu
 @small_kernel
 def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float) -> float:
     """Part of the Sun's disc that a point over the ground in map sees, as far as the height field hides it, 0 to 1."""
+    if cast.sun[2] <= -cast.sun[3]:
+        return 0.0
     column, row = (x - ground.place[0]) * ground.place[2], (y - ground.place[1]) * ground.place[2]
     i, j = math.floor(row), math.floor(column)
     return float(sunlit_between(ground, cast, (i, j), (np.float32(row - i), np.float32(column - j)), z))
@@ -123,9 +125,7 @@ def sunlit(ground: DrawnGround, cast: CastShadows, x: float, y: float, z: float)
 def sunlit_between(
     ground: DrawnGround, cast: CastShadows, node: tuple[int, int], part: tuple[float, float], z: float
 ) -> float:
-    """The same of a point at a height, above and to the right of a node as in `ground.between`, on the map or off."""
-    if cast.sun[2] <= -cast.sun[3]:
-        return 0.0
+    """The same where the Sun is up, of a point at a height above and to the right of a node, as in `ground.between`."""
     rows, columns = cast.lit.shape
     i, j = node[0] - cast.first[0], node[1] - cast.first[1]
     if not (0 <= i < rows - 1 and 0 <= j < columns - 1):

@@ -27,7 +27,7 @@ CHUNK = 64
 """Places that are looked up together."""
 BEYOND = 16
 """Of them off the map."""
-INSIDE = 1.01
+CLEAR_OF_EDGE = 1.01
 """Nodes by which a walk begins off the far edge at least: along it no place may be taken for one beyond it."""
 AT_ONCE = 8
 """Bins that are written at once."""
@@ -47,7 +47,7 @@ class Eye(NamedTuple):
     """By which the ground falls away under the level, 1/2R, for the square of the way [1/m]."""
 
 
-class Stretch(NamedTuple):
+class WalkPart(NamedTuple):
     """Of a walk: room for CHUNK places after the one before."""
 
     far: Line
@@ -75,7 +75,7 @@ class Panorama(NamedTuple):
     """Rise of the lowest bin for each metre of the ray's own length."""
     bin: float
     """Height of a bin, in the same."""
-    part: Stretch
+    part: WalkPart
 
 
 class WalkRoom:
@@ -108,7 +108,7 @@ def panorama(resolution: float, lowest: float, highest: float, ways: WalkRoom) -
     way = ways.of(azimuths + 1, bins + 1)
     done = np.zeros(azimuths + 1, dtype=np.bool_)
     rises = (edges / np.sqrt(1.0 - edges**2)).astype(np.float32)
-    part = Stretch(
+    part = WalkPart(
         np.empty(CHUNK + 1, dtype=np.float32),
         np.empty(CHUNK + 1, dtype=np.float32),
         nodes_for(CHUNK),
@@ -174,14 +174,15 @@ def walk(ground: DrawnGround, eye: Eye, around: Panorama, place: int) -> None:
         else:
             strides = BEYOND if inside > 0 else 1  # who has left the map does not come back
             _look_beyond(ground, eye, part, course, strides)
-        reached = _climb(around, strides, following)
+        _count_below(around, strides)
+        reached = _climb(part, strides, following)
         _write_ways(around, ways, following, reached)
         following, near = reached, part.far[strides]
         part.far[0], part.high[0] = near, part.high[strides]
 
 
 @small_kernel
-def _look_along(ground: DrawnGround, eye: Eye, part: Stretch, course: Course, steps: tuple[int, int, int]) -> None:
+def _look_along(ground: DrawnGround, eye: Eye, part: WalkPart, course: Course, steps: tuple[int, int, int]) -> None:
     """Write the ways and heights of places along a course, on the map.
 
     Args:
@@ -195,8 +196,7 @@ def _look_along(ground: DrawnGround, eye: Eye, part: Stretch, course: Course, st
     if is_untouched(ground.changes, here, there):  # as `height_at` has it, without asking whether there is a map
         _nodes_along(course, (narrowed(step), narrowed(pace)), part.nodes)
         heights_between(ground, part.nodes, part.high[1 : count + 1])
-        fall = (narrowed(eye.place[2]), narrowed(eye.fall))
-        _over_level(part, (narrowed(first), narrowed(pace * half)), fall, count)
+        _over_level(eye, part, (narrowed(first), narrowed(pace * half)), count)
     else:
         for k in range(count):
             far = (step + pace * k) * half
@@ -219,14 +219,14 @@ def _nodes_along(course: Course, steps: tuple[float, float], nodes: Nodes) -> No
 
 
 @vector_kernel
-def _over_level(part: Stretch, steps: tuple[float, float], eye: tuple[float, float], count: int) -> None:
+def _over_level(eye: Eye, part: WalkPart, steps: tuple[float, float], count: int) -> None:
     """Write the ways of places, and of their heights how far they are over the eye's level.
 
     Args:
-        steps: way to the first place, and from one to the next [m]. eye: its height [m], `Eye.fall`.
+        steps: way to the first place, and from one to the next [m].
     """
     first, step = steps
-    level, fall = eye
+    level, fall = narrowed(eye.place[2]), narrowed(eye.fall)
     for k in range(count):
         far = first + np.float32(np.int32(k)) * step
         part.far[k + 1] = far
@@ -234,7 +234,7 @@ def _over_level(part: Stretch, steps: tuple[float, float], eye: tuple[float, flo
 
 
 @small_kernel
-def _look_beyond(ground: DrawnGround, eye: Eye, part: Stretch, course: Course, count: int) -> None:
+def _look_beyond(ground: DrawnGround, eye: Eye, part: WalkPart, course: Course, count: int) -> None:
     """Write the ways and heights of the next places along a course, off the map, where strides grow with the way."""
     _, _, ahead_x, ahead_y = course
     x0, y0, far = eye.place[0], eye.place[1], np.float64(part.far[0])
@@ -246,24 +246,6 @@ def _look_beyond(ground: DrawnGround, eye: Eye, part: Stretch, course: Course, c
         part.high[k] = height_over(ground, eye, x0 + far * ahead_x, y0 + far * ahead_y, far)
 
 
-@small_kernel
-def _climb(around: Panorama, strides: int, following: int) -> int:
-    """Write of each bin that is reached on the way along places in which stride it is; the first that is not.
-
-    Args:
-        strides: of the part. following: the first bin that has not been reached before.
-    """
-    stride, below = around.part.stride, around.part.below
-    _count_below(around, strides)
-    for k in range(1, strides + 1):
-        for i in range(AT_ONCE):  # more than are reached mostly, without a branch; the next stride writes over them
-            stride[following + i] = k
-        for i in range(following + AT_ONCE, below[k]):
-            stride[i] = k
-        following = max(following, below[k])
-    return following
-
-
 @vector_kernel
 def _count_below(around: Panorama, strides: int) -> None:
     """Write how many bins there are up to the line of sight to each place."""
@@ -273,6 +255,23 @@ def _count_below(around: Panorama, strides: int) -> None:
         far, high = part.far[k], part.high[k]
         rise = high / math.sqrt(far * far + high * high)
         part.below[k] = np.int32(min(max(np.floor((rise - lowest) * bins) + ONE, ZERO), last))
+
+
+@small_kernel
+def _climb(part: WalkPart, strides: int, following: int) -> int:
+    """Write of each bin that is reached on the way along places in which stride it is; the first that is not.
+
+    Args:
+        strides: of the part. following: the first bin that has not been reached before.
+    """
+    stride, below = part.stride, part.below
+    for k in range(1, strides + 1):
+        for i in range(AT_ONCE):  # more than are reached mostly, without a branch; the next stride writes over them
+            stride[following + i] = k
+        for i in range(following + AT_ONCE, below[k]):
+            stride[i] = k
+        following = max(following, below[k])
+    return following
 
 
 @vector_kernel
@@ -293,7 +292,7 @@ def _strides_inside(ground: DrawnGround, course: Course) -> int:
     rows, columns = ground.heights.shape
     column, row, ahead_x, ahead_y = course
     far = 0.0
-    if 0.0 <= column <= columns - INSIDE and 0.0 <= row <= rows - INSIDE:
+    if 0.0 <= column <= columns - CLEAR_OF_EDGE and 0.0 <= row <= rows - CLEAR_OF_EDGE:
         far = 2.0 * (rows + columns)
         if ahead_x > 1e-9:
             far = min(far, (columns - 1 - column) / ahead_x)
