@@ -3,10 +3,10 @@ and where a run goes on each gets back what it had handed over.
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from sojourn_bringup.checkpoints import keeper_of
+from sojourn_bringup.checkpoints import CheckpointKeeper, keeper_of
 from sojourn_bringup.health import Health
 from sojourn_bringup.monitor import Monitor
 from sojourn_bringup.plan import RunPlan
@@ -18,14 +18,19 @@ from sojourn_contract.errors import ContractError
 from sojourn_contract.heartbeat import Heartbeat, read_heartbeats
 from sojourn_contract.role_state import ForeignState, Heard, RoleAtCheckpoint, RoleState
 from sojourn_contract.run_table import table_of
+from sojourn_contract.stamps import seconds
 from sojourn_contract.state_tree import CheckpointError, packed, unpacked
 from sojourn_contract.topic_types import ROLES
 from sojourn_contract.values import DiagnosticArray
 from sojourn_plant.checkpoints import ANSWERED, SILENT
 from sojourn_stack.stack import PLANT, StackState
 
+Handed = dict[str, tuple[Heartbeat, str]]
+"""What roles have handed over of one period: the last part of a state, and its whole text."""
 AGAIN_S = 5.0
 """Wall time after which a state is handed back once more to a node that has not taken it."""
+MOST_WAITING = 64
+"""Periods of which states may be here that are not in a file yet: older ones are lost."""
 
 
 class ProcessCheckpoints:
@@ -44,8 +49,10 @@ class ProcessCheckpoints:
         self._table = table_of(self._loaded)
         self._keeper = keeper_of(plan, self._loaded)
         self._parts = StateParts()
-        self._handed: dict[str, tuple[Heartbeat, str]] = {}
-        """The last state of each role, with its last part."""
+        self._handed: dict[int, Handed] = {}
+        """By stamp [ns]: the run does not wait for the file, and may be at the next period that is kept before it."""
+        self._done = -1 if plan.begin is None else plan.begin.now
+        """Stamp up to which nothing more is kept [ns]."""
         self._given: dict[str, float] = {}
         """Wall time at which a state was handed back [s]."""
         self._silent: frozenset[str] = frozenset()
@@ -64,24 +71,28 @@ class ProcessCheckpoints:
         """Write what has been handed over, hand back what is wanted."""
         if self._sender is not None:
             self._hand_back()
-        plant = self._handed.get(PLANT)
-        if plant is None or self._keeper is None or self.failure:
-            return
-        beat, _ = plant
-        if ANSWERED not in beat.values:  # it is what has been handed back
-            return
-        answered = beat.values.get(ANSWERED, "").split()
-        if any(role not in self._handed or self._handed[role][0].stamp != beat.stamp for role in answered):
-            return
+        for stamp in sorted(self._handed):
+            if _is_whole(self._handed[stamp]) and self._keeper is not None and not self.failure:
+                self._lose([earlier for earlier in self._handed if earlier < stamp])
+                self._keep(self._keeper, self._handed.pop(stamp))
+                self._done = stamp
+
+    def _keep(self, keeper: CheckpointKeeper, handed: Handed) -> None:
+        beat, _ = handed[PLANT]
         silent = frozenset(beat.values.get(SILENT, "").split())
         if silent:
             self._tell(silent)
-        else:
-            try:
-                self._keeper.keep(self._state())
-            except (ContractError, OSError) as error:
-                self.failure = f"no checkpoint can be kept: {error}"
-        del self._handed[PLANT]
+            return
+        try:
+            keeper.keep(self._state(handed))
+        except (ContractError, OSError) as error:
+            self.failure = f"no checkpoint can be kept: {error}"
+
+    def _lose(self, stamps: Iterable[int]) -> None:
+        """Those of which a part has not come: each role says its own in turn, and has said a later one."""
+        for stamp in sorted(stamps):
+            del self._handed[stamp]
+            self._say(f"the checkpoint of {seconds(stamp):.2f} s is lost: not all of it has come on {STATE.name}")
 
     def _tell(self, silent: frozenset[str]) -> None:
         if silent != self._silent:
@@ -92,21 +103,23 @@ class ProcessCheckpoints:
 
     def _hear(self, message: DiagnosticArray) -> None:
         for beat in read_heartbeats(message):
-            if beat.role in self._plan.participants:
-                text = self._parts.take(beat)
-                if text is not None:
-                    self._handed[beat.role] = (beat, text)
+            if beat.role not in self._plan.participants or beat.stamp <= self._done:
+                continue  # what has been handed back is among it
+            text = self._parts.take(beat)
+            if text is not None:
+                self._handed.setdefault(beat.stamp, {})[beat.role] = (beat, text)
+        self._lose(sorted(self._handed)[:-MOST_WAITING])
 
-    def _state(self) -> StackState:
-        """Of the run, from what all have handed over. Raises CheckpointError, RefusedMessageError."""
+    def _state(self, everything: Handed) -> StackState:
+        """Of the run, from what all have handed over of a period. Raises CheckpointError, RefusedMessageError."""
         roles: dict[str, RoleState] = {}
         messages: dict[str, dict[int, Heard]] = {}
         ahead: list[Any] = []
         own: RoleAtCheckpoint | None = None
         for role in ROLES:
-            if role not in self._handed:
+            if role not in everything:
                 continue
-            beat, text = self._handed[role]
+            beat, text = everything[role]
             if role in self._plan.replacements:
                 roles[role] = RoleState(ForeignState(text), published=beat.published, now=beat.stamp)
                 continue
@@ -141,3 +154,10 @@ class ProcessCheckpoints:
 
     def _goes_on(self, node: Health, stamp: int) -> bool:
         return node.values.get(RESUMED) == str(stamp) or node.stamp > 0
+
+
+def _is_whole(handed: Handed) -> bool:
+    """Whether the plant is among them, and all who it says have answered."""
+    if PLANT not in handed or ANSWERED not in handed[PLANT][0].values:
+        return False
+    return all(role in handed for role in handed[PLANT][0].values[ANSWERED].split())

@@ -255,6 +255,7 @@ class Supervisor:
         self._standby.end()
         for roles in (("plant",), set(self.children) - {"plant", "recorder"}, ("recorder",)):
             self._stop([child for role, child in self.children.items() if role in roles], stop)
+        self._look(LOOK_S)  # at what they said last
 
     def _stop(self, children: list[Child], stop: StopFlag) -> None:
         try:
