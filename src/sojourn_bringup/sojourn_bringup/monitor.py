@@ -6,6 +6,7 @@ from typing import Any
 
 import rclpy
 from rclpy.experimental import EventsExecutor
+from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bringup.access import SUPERVISOR
@@ -59,14 +60,15 @@ class Monitor:
         while (left := end - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=left)
 
-    def sender(self, row: Topic) -> Any:
-        """A publisher of a row; its history holds a whole state."""
-        return self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), _quality(row))
+    def sender(self, row: Topic, quality: QoSProfile) -> Any:
+        """A publisher of a row."""
+        return self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), quality)
 
-    def listen(self, row: Topic, callback: Any) -> None:
-        """Give what comes on a row to a callback."""
+    def listen(self, row: Topic, callback: Any, quality: QoSProfile | None = None) -> None:
+        """Give what comes on a row to a callback. By default it may lag as far as the recorder."""
         hear = hearing(row, callback, self._pass_over)
-        self._node.create_subscription(message_class(row.type), row.name.lstrip("/"), hear, _quality(row), raw=True)
+        kind, profile = message_class(row.type), quality or qos.profile(row, True, "recorder")
+        self._node.create_subscription(kind, row.name.lstrip("/"), hear, profile, raw=True)
 
     def _pass_over(self, refusal: RefusedMessageError) -> None:
         """Of what cannot be read; the nodes refuse and count it."""
@@ -87,7 +89,3 @@ class Monitor:
 
     def _on_drive_status(self, message: DiagnosticArray) -> None:
         self.progress.hear_drive(status_values(message))
-
-
-def _quality(row: Topic) -> Any:
-    return qos.profile(row, True, "recorder")

@@ -12,16 +12,17 @@ from sojourn_bringup.monitor import Monitor
 from sojourn_bringup.plan import RunPlan
 from sojourn_bringup.resumption import beginning, handed_back
 from sojourn_config.scenario import load_scenario
-from sojourn_contract.checkpoint_topic import RESUMED, STATE, StateParts, as_bytes, as_text, state_messages
+from sojourn_contract.checkpoint_topic import FILED, RESUMED, STATE, StateParts, as_bytes, as_text, state_messages
 from sojourn_contract.codecs import encode
 from sojourn_contract.errors import ContractError
+from sojourn_contract.handing_over import quality
 from sojourn_contract.heartbeat import Heartbeat, read_heartbeats
 from sojourn_contract.role_state import ForeignState, Heard, RoleAtCheckpoint, RoleState
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import seconds
 from sojourn_contract.state_tree import CheckpointError, packed, unpacked
 from sojourn_contract.topic_types import ROLES
-from sojourn_contract.values import DiagnosticArray
+from sojourn_contract.values import DiagnosticArray, Header
 from sojourn_plant.checkpoints import ANSWERED, SILENT
 from sojourn_stack.stack import PLANT, StackState
 
@@ -50,34 +51,40 @@ class ProcessCheckpoints:
         self._keeper = keeper_of(plan, self._loaded)
         self._parts = StateParts()
         self._handed: dict[int, Handed] = {}
-        """By stamp [ns]: the run does not wait for the file, and may be at the next period that is kept before it."""
+        """By stamp [ns]. Of several where the plant waits no longer for who is late with a file."""
         self._done = -1 if plan.begin is None else plan.begin.now
         """Stamp up to which nothing more is kept [ns]."""
         self._given: dict[str, float] = {}
         """Wall time at which a state was handed back [s]."""
         self._silent: frozenset[str] = frozenset()
         self._sender: Any = None
+        self._filed: Any = None
         self.failure = ""
 
     def join(self, monitor: Monitor) -> None:
         """Listen and speak where the run is; what its recorder begins with is in a file then. Raises OSError."""
         if self._keeper is not None:
-            monitor.listen(STATE, self._hear)
+            self._filed = monitor.sender(FILED, quality(FILED))
+            monitor.listen(STATE, self._hear, quality(STATE))
         if self._plan.begin is not None:
             self._plan.beginning_file.write_bytes(packed(beginning(self._plan.begin, self._table), "beginning"))
-            self._sender = monitor.sender(STATE)
+            self._sender = monitor.sender(STATE, quality(STATE))
 
     def look(self) -> None:
-        """Write what has been handed over, hand back what is wanted."""
+        """Hand back what is wanted; what is handed over is written as it comes."""
         if self._sender is not None:
             self._hand_back()
-        for stamp in sorted(self._handed):
-            if _is_whole(self._handed[stamp]) and self._keeper is not None and not self.failure:
-                self._lose([earlier for earlier in self._handed if earlier < stamp])
-                self._keep(self._keeper, self._handed.pop(stamp))
-                self._done = stamp
 
-    def _keep(self, keeper: CheckpointKeeper, handed: Handed) -> None:
+    def _keep(self, keeper: CheckpointKeeper, stamp: int) -> None:
+        """Into a file, if all of them are there."""
+        if not _is_whole(self._handed[stamp]):
+            return
+        self._lose([earlier for earlier in self._handed if earlier < stamp])
+        self._write(keeper, self._handed.pop(stamp))
+        self._done = stamp
+        self._filed.publish(encode(FILED, Header(stamp)))
+
+    def _write(self, keeper: CheckpointKeeper, handed: Handed) -> None:
         beat, _ = handed[PLANT]
         silent = frozenset(beat.values.get(SILENT, "").split())
         if silent:
@@ -108,7 +115,9 @@ class ProcessCheckpoints:
             text = self._parts.take(beat)
             if text is not None:
                 self._handed.setdefault(beat.stamp, {})[beat.role] = (beat, text)
-        self._lose(sorted(self._handed)[:-MOST_WAITING])
+                self._lose(sorted(self._handed)[:-MOST_WAITING])
+                if self._keeper is not None and not self.failure:
+                    self._keep(self._keeper, beat.stamp)
 
     def _state(self, everything: Handed) -> StackState:
         """Of the run, from what all have handed over of a period. Raises CheckpointError, RefusedMessageError."""

@@ -51,6 +51,18 @@ STATE = Topic(
     logged=False,
     needs_listener=False,
 )
+FILED = Topic(
+    "/checkpoint/filed",
+    "std_msgs/Header",
+    "operator",
+    ("plant",),
+    0,
+    10.0,
+    "from whoever writes the files: the states of the period stamped so are in one, or never will be. The plant asks "
+    "for no others before, so that states come no faster than they are written; where nobody writes it does not wait",
+    logged=False,
+    needs_listener=False,
+)
 KEPT = "checkpoint"
 """Key of the plant's heartbeat."""
 RESUMED = "resumed"

@@ -5,7 +5,16 @@ back. Over the middleware; nodes in one process are looked at instead, see `comp
 from typing import TYPE_CHECKING, Any
 
 from sojourn_contract import qos
-from sojourn_contract.checkpoint_topic import ONLY_OPERATOR, STATE, TAKE, StateParts, as_bytes, as_text, state_messages
+from sojourn_contract.checkpoint_topic import (
+    MOST_PARTS,
+    ONLY_OPERATOR,
+    STATE,
+    TAKE,
+    StateParts,
+    as_bytes,
+    as_text,
+    state_messages,
+)
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import hearing
 from sojourn_contract.events import parse_tick
@@ -20,19 +29,27 @@ from sojourn_contract.types import message_class
 from sojourn_contract.values import DiagnosticArray, Header
 
 if TYPE_CHECKING:  # a node hands over
+    from rclpy.qos import QoSProfile
+
     from sojourn_contract.app_node import AppNode
 
 
+def quality(row: Topic) -> "QoSProfile":
+    """Of a row of checkpoints: its history holds the largest state there is."""
+    profile = qos.profile(row, True)
+    profile.depth = MOST_PARTS
+    return profile
+
+
 def reader(node: Any, row: Topic, take: Any) -> Any:
-    """A subscription of a row of checkpoints. Its history holds a whole state."""
+    """A subscription of a row of checkpoints."""
     hear = hearing(row, take, lambda refusal: node.refuse(row.name, refusal))
-    quality = qos.profile(row, True, "recorder")
-    return node.create_subscription(message_class(row.type), row.name.lstrip("/"), hear, quality, raw=True)
+    return node.create_subscription(message_class(row.type), row.name.lstrip("/"), hear, quality(row), raw=True)
 
 
 def sender(node: Any, row: Topic) -> Any:
     """A publisher of a row of checkpoints."""
-    return node.create_publisher(message_class(row.type), row.name.lstrip("/"), qos.profile(row, True, "recorder"))
+    return node.create_publisher(message_class(row.type), row.name.lstrip("/"), quality(row))
 
 
 class HandingOver:

@@ -2,14 +2,14 @@
 
 At a period's end of which a checkpoint is wanted it waits until all others have acted on that period and have handed
 over what they are; then it acts, which nobody else can before it, and hands over its own state with the word of who has
-answered. Who writes them into a file is none of its affairs.
+answered. Who writes them into a file is none of its affairs, but it asks for the next ones only when he is done.
 """
 
 import time
 from typing import Any
 
 from sojourn_contract.checkpoint_times import EvenTimes, common_grid
-from sojourn_contract.checkpoint_topic import ONLY_OPERATOR, STATE, TAKE, StateParts
+from sojourn_contract.checkpoint_topic import FILED, ONLY_OPERATOR, STATE, TAKE, StateParts
 from sojourn_contract.codecs import encode
 from sojourn_contract.events import format_tick
 from sojourn_contract.handing_over import HandingOver, reader, sender
@@ -39,7 +39,7 @@ class AskingKeeper:
         self._others = [role for role in node.participants if role not in NO_STATES]
         self._handing_over = HandingOver(node)
         self._sender = sender(node, TAKE)
-        self._reader = reader(node, STATE, self._hear)
+        self._readers = (reader(node, STATE, self._hear), reader(node, FILED, self._hear_filed))
         self._parts = StateParts()
         self._at = 0
         """The period that is kept [ns]."""
@@ -50,6 +50,11 @@ class AskingKeeper:
         self._silent: set[str] = set()
         """Who has not answered once, and is asked no more."""
         self._is_asked = False
+        self._to_be_filed = 0
+        """The last period that was kept [ns], 0 once it is in a file."""
+        self._handed_since = 0.0
+        self._is_late = False
+        """Who writes files was so for longer than it waits for him, and has not been heard since."""
         self.answered = ""
         """See `Keeper`."""
 
@@ -63,6 +68,8 @@ class AskingKeeper:
             is_common = stamp // CONTROL_PERIOD_NS % self._grid == 0
             if not (is_common and (self._is_asked or self._times.is_due(seconds(stamp)))):
                 return True
+            if not self._is_filed():
+                return False
             self._begin(stamp)
         missing = {role for role in self._others if role not in self._answered | self._silent}
         if missing and time.monotonic() - self._asked_since > self._wait_s:
@@ -78,10 +85,23 @@ class AskingKeeper:
         if stamp != self._at or self._node.finished:
             return
         self._handing_over.hand({ANSWERED: " ".join(sorted(self._answered)), SILENT: " ".join(sorted(self._silent))})
+        self._to_be_filed, self._handed_since = stamp, time.monotonic()
         self._times.passed(seconds(stamp))
         if self._is_asked and not self._silent:
             self.answered = f"{seconds(stamp):.2f} s"
         self._is_asked = False
+
+    def _is_filed(self) -> bool:
+        """Whether who writes files is done with the last states, is late, or is not there."""
+        if not self._to_be_filed or not self._node.count_publishers(self._readers[1].topic_name):
+            return True
+        self._is_late = self._is_late or time.monotonic() - self._handed_since > self._wait_s
+        return self._is_late
+
+    def _hear_filed(self, message: Header) -> None:
+        self._is_late = False
+        if message.stamp == self._to_be_filed:
+            self._to_be_filed = 0
 
     def _begin(self, stamp: int) -> None:
         self._at, self._goals, self._answered = stamp, None, set()
