@@ -43,6 +43,7 @@ DEPENDENCY_OF_MODULE = {
     "numba": "python3-numba",
     "numpy": "python3-numpy",
     "pinocchio": "pinocchio",
+    "psutil": "python3-psutil",
     "pyarrow": None,
     "pydantic": "python3-pydantic",
     "pydantic_core": "python3-pydantic",

@@ -50,6 +50,7 @@ MODULES = {
     "datasheet": "sojourn_studies.rover_datasheet",
     "demo": "sojourn_bringup.demo",
     "goal_client": "sojourn_operator.goal_client",
+    "measure_flood": "sojourn_studies.measure_flood",
     "replay": "sojourn_bringup.replay",
     "report": "sojourn_bags.report_command",
     "start": "sojourn_bringup.start",
