@@ -193,7 +193,7 @@ def test_a_role_is_held_by_one_run_at_a_time(tmp_path: Path) -> None:
 def test_the_demo_passes_its_wishes_on_and_answers_under_its_own_name(capsys: pytest.CaptureFixture[str]) -> None:
     given_to_demo = demo.parser().parse_args(["--seed", "4", "--set", "a=1", "--domain", "9", "--run-dir", "x"])
     passed = start.parser("demo").parse_args(demonstration.start_arguments(given_to_demo))
-    assert (passed.scenario, passed.seed, passed.overrides, passed.domain) == ("lunar_sample", 4, ["a=1"], 9)
+    assert (passed.scenario, passed.seed, passed.set, passed.domain) == ("lunar_sample", 4, ["a=1"], 9)
     assert passed.run_dir == Path("x")
     with pytest.raises(SystemExit):
         start.parser("demo").parse_args(demonstration.start_arguments(demo.parser().parse_args(["--seed", "x"])))

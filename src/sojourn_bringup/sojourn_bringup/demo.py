@@ -29,8 +29,7 @@ def parser() -> argparse.ArgumentParser:
     )
     kind.add_argument("--processes", action="store_true", help="each node as a process of its own")
     result.add_argument("--seed", metavar="N", help="seed in place of the scenario's")
-    result.add_argument("--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE",
-                        help="set a value of the scenario or of a file that it names; again for more")  # fmt: skip
+    command_line.add_changes(result, "set a value of the scenario or of a file that it names")
     result.add_argument("--run-dir", metavar="DIR", help="folder of the run (default: a new one in runs/)")
     add_console(result)
     command_line.add_place(result)

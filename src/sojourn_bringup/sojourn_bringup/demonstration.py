@@ -96,7 +96,7 @@ def start_arguments(given: argparse.Namespace) -> list[str]:
         value = getattr(given, name)
         if value is not None:
             arguments += [f"--{name.replace('_', '-')}", value]
-    for text in given.overrides:
+    for text in given.set:
         arguments += ["--set", text]
     arguments += ["--console"] if given.console else []
     return [*arguments, "--direct"] if given.direct else arguments

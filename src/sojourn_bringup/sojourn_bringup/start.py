@@ -94,14 +94,8 @@ def parser(program: str = "start.py") -> argparse.ArgumentParser:
     result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run (default: a new one in runs/)")
     command_line.add_machine(result)
     result.add_argument("--seed", type=command_line.whole_number, metavar="N", help="seed in place of the scenario's")
-    result.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        dest="overrides",
-        metavar="KEY=VALUE",
-        help="set a value of the scenario or of a file that it names: battery_soc=0.5, soil.k_c=1400; again for more",
-    )
+    what = "set a value of the scenario or of a file that it names: battery_soc=0.5, soil.k_c=1400"
+    command_line.add_changes(result, what)
     result.add_argument(
         "--resolved",
         action="store_true",

@@ -160,7 +160,7 @@ def _refuse(given: argparse.Namespace, option: str, others: Sequence[str], reaso
 def overrides_of(given: argparse.Namespace) -> list[str]:
     """All that goes over the files, as KEY=VALUE."""
     chosen = {key: getattr(given, key) for key in ("machine", "seed")}
-    return [*given.overrides, *(f"{key}={value}" for key, value in chosen.items() if value is not None)]
+    return [*given.set, *(f"{key}={value}" for key, value in chosen.items() if value is not None)]
 
 
 def _commands(texts: Sequence[str], option: str) -> dict[str, str]:

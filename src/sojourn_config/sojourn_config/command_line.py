@@ -68,7 +68,16 @@ def add_scenario(parser: argparse.ArgumentParser, default: str, what: str) -> No
     """
     parser.add_argument("--scenario", default=default, help=f"{what} (default: %(default)s)")
     add_machine(parser)
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a value over the files")
+    add_changes(parser)
+
+
+def add_changes(parser: argparse.ArgumentParser, what: str = "change a value of a file") -> None:
+    """--set, as often as wanted; a list of texts KEY=VALUE in the attribute `set`.
+
+    Args:
+        what: it does, in words.
+    """
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=f"{what}; again for more")
 
 
 def changes_of(given: argparse.Namespace) -> list[str]:

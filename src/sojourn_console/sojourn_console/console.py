@@ -24,9 +24,7 @@ def parser() -> command_line.Parser:
         "--bag", type=Path, metavar="RUN", help="play this bag: folder of a run, folder of a bag, or an .mcap file"
     )
     result.add_argument("--run-dir", type=Path, metavar="DIR", help="folder of the run whose bag says what is run")
-    result.add_argument(
-        "--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE", help="as the run was started with"
-    )
+    command_line.add_changes(result, "as the run was started with")
     result.add_argument("--limits", type=Path, metavar="FILE", help="alarms over those of the machine (YAML)")
     result.add_argument("--who", metavar="NAME", help="who commands and acknowledges (default: the login name)")
     command_line.add_place(result)
@@ -44,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Serve the page until Ctrl-C; 0, or 2 where what is asked for cannot be."""
     options = parser()
     given = options.parse_args(arguments)
-    if given.bag is not None and (given.scenario is not None or given.run_dir is not None or given.overrides):
+    if given.bag is not None and (given.scenario is not None or given.run_dir is not None or given.set):
         options.error("--bag RUN knows its own scenario: it does not go with SCENARIO, --run-dir or --set")
     if given.port > 65_000:
         options.error(f"--port {given.port}: allowed is a whole number from 1 to 65000")

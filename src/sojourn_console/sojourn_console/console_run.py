@@ -68,7 +68,7 @@ def _bag(path: Path) -> tuple[World, Feed]:
 
 def _live(given: argparse.Namespace) -> tuple[World, Feed]:
     if given.scenario is not None:
-        world = world_named(given.scenario, given.overrides)
+        world = world_named(given.scenario, given.set)
     else:
         world = world_of_run(given.run_dir or LATEST)
     return world, LiveFeed(given.domain, given.namespace, world.table)

@@ -36,10 +36,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="SCENARIO",
         help="plan a route over this scenario's orbital map, and again where the drive finds it closed",
     )
-    drive.add_argument(
-        "--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE",
-        help="of the scenario of --over: as the run was started with",
-    )  # fmt: skip
+    command_line.add_changes(drive, "of the scenario of --over: as the run was started with")
     route = commands.add_parser("route", help="drive along points")
     route.add_argument(
         "points", type=command_line.number, nargs="+", metavar="X Y", help="[m], one pair for each point"

@@ -70,7 +70,7 @@ def _drive_over(given: argparse.Namespace) -> int:
     from sojourn_operator.far_goal import drive_far, route_words, site_of
     from sojourn_operator.route_client import RouteClient
 
-    site = site_of(given.over, given.overrides)
+    site = site_of(given.over, given.set)
     with GoalClient(given.domain, given.namespace) as client:
         who, name = GOALS["route"]
         client.sender_to(who, topic(name))  # a stack that is starting is waited for
@@ -122,7 +122,7 @@ def run(given: argparse.Namespace) -> int:
         return 0 if gone else 1
     if given.command == "drive" and given.over is not None:
         return _drive_over(given)
-    if given.command == "drive" and given.overrides:
+    if given.command == "drive" and given.set:
         raise UsageError("--set: allowed with --over alone, for the scenario whose map it is")
     message = None if given.command == "stop" else _goal(given)
     with GoalClient(given.domain, given.namespace) as client:

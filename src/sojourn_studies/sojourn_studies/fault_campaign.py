@@ -25,7 +25,7 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument("--only", default="", metavar="NAMES", help="these faults, with commas between them")
     result.add_argument("--seeds", type=command_line.count, default=5, metavar="N", help="how many (%(default)s)")
     result.add_argument("--first-seed", type=command_line.whole_number, default=1, metavar="N", help="(%(default)s)")
-    result.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a value of a file")
+    command_line.add_changes(result)
     result.add_argument("--csv", type=Path, metavar="FILE", help="write every run")
     return result
 

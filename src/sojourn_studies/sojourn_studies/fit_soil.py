@@ -23,7 +23,7 @@ def parser() -> argparse.ArgumentParser:
         "--free", metavar="NAME[,NAME...]", help="parameters to identify (default: those the trials can tell)"
     )
     result.add_argument("--where", action="append", default=[], metavar="COLUMN=VALUE", help="take these rows alone")
-    result.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change the soil to start from")
+    command_line.add_changes(result, "change the soil to start from")
     result.add_argument(
         "--gravity", type=command_line.number, default=GRAVITY, metavar="G", help="[m/s2] (%(default)s)"
     )

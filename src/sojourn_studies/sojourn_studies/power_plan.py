@@ -23,7 +23,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="S",
         help="of time, at most: whole ones make a solar day; more than a minute is for the rows of --csv (%(default)s)",
     )
-    result.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a value of a file")
+    command_line.add_changes(result)
     result.add_argument("--plot", type=Path, metavar="FILE", help="draw it")
     result.add_argument("--csv", type=Path, metavar="FILE", help="write every step")
     result.add_argument("--json", action="store_true", help="print JSON")

@@ -15,7 +15,7 @@ def parser() -> argparse.ArgumentParser:
     )
     result.add_argument("soil", nargs="?", default="lunar_nominal", metavar="NAME|FILE", help="of config/soils")
     result.add_argument("--body", default="moon", metavar="NAME", help="of config/bodies: its gravity (%(default)s)")
-    result.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="change a key of the soil")
+    command_line.add_changes(result, "change a key of the soil")
     result.add_argument(
         "--diameter",
         type=command_line.number_list,

@@ -74,9 +74,7 @@ def parser() -> argparse.ArgumentParser:
         "--gravity", type=command_line.number, default=GRAVITY, metavar="G",
         help="where the test bed is [m/s2]: weight of the soil that is pushed (default: %(default)s)",
     )  # fmt: skip
-    result.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="change a parameter; repeatable"
-    )
+    command_line.add_changes(result, "change a parameter")
     result.add_argument("--csv", type=Path, metavar="FILE", help="predict every trial of a file, and tell the errors")
     result.add_argument(
         "--where", action="append", default=[], metavar="COLUMN=VALUE", help="of --csv take these rows; repeatable"
