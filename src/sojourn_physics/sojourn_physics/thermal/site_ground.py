@@ -9,6 +9,7 @@ sky of one temperature radiates, and no convection.
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,35 +46,50 @@ class SiteGround:
     def __init__(self, body: BodyParams, light: Callable[[float], Sunlight]) -> None:
         if body.regolith is None:
             raise InvalidValueError("body", body.name, "one whose file has the table regolith, for a machine with heat")
-        self._day, regolith = body.solar_day, body.regolith
-        ground, sky = cut_ground(regolith, self._day), STEFAN_BOLTZMANN * body.sky_temperature**4
-
-        def rows(middles: FloatArray) -> FloatArray:
-            """Of `Irradiation`, at times [s]."""
-            given = np.zeros((len(middles), 4))
-            given[:, 1] = sky
-            given[:, 0] = [_absorbed(regolith, light(time)) for time in middles.tolist()]
-            return given
-
-        day = settled_day(ground, rows((np.arange(STEPS) + 0.5) / STEPS * self._day), self._day)
+        self._day = body.solar_day
+        shone_on = _ShoneOn(body.regolith, STEFAN_BOLTZMANN * body.sky_temperature**4, light)
+        ground = cut_ground(body.regolith, self._day)
+        day = settled_day(ground, shone_on.rows((np.arange(STEPS) + 0.5) / STEPS * self._day), self._day)
         self._times = np.arange(STEPS + 1) / STEPS * self._day
         self._surface = np.concatenate((day.surface[-1:], day.surface))
-        self._eclipsed = np.zeros((0, 2))
+        self._near = np.zeros((0, 2))
         """Times and temperatures in place of these, from the start on, where one of `NEAR` is eclipsed."""
         if _is_eclipsed(light, self._day):
-            fine = cut_ground(regolith, 2.0 * NEAR)  # in so short a time heat comes less deep, through thinner layers
-            before = np.interp(
-                fine.depths, ground.depths, day.temperatures[round((1.0 - NEAR / self._day) * STEPS) - 1]
-            )
-            ends = np.arange(-NEAR, NEAR, MINUTE) + MINUTE
-            there, _ = advance(fine, before, rows(ends - 0.5 * MINUTE), MINUTE)
-            self._eclipsed = np.column_stack((ends, there[:, 0]))
+            before = day.temperatures[round((1.0 - NEAR / self._day) * STEPS) - 1]
+            self._near = _near_start(shone_on, ground.depths, before)
 
     def temperature(self, time: float) -> float:
         """Of the surface, `time` [s] after the start of the run [K]."""
-        if len(self._eclipsed) and time <= self._eclipsed[-1, 0]:
-            return float(np.interp(time, self._eclipsed[:, 0], self._eclipsed[:, 1]))
+        if len(self._near) and time <= self._near[-1, 0]:
+            return float(np.interp(time, self._near[:, 0], self._near[:, 1]))
         return float(np.interp(time % self._day, self._times, self._surface))
+
+
+class _ShoneOn(NamedTuple):
+    """Ground under what its sky radiates [W/m2] and the light over the site."""
+
+    regolith: RegolithParams
+    sky: float
+    light: Callable[[float], Sunlight]
+
+    def rows(self, times: FloatArray) -> FloatArray:
+        """Of `Irradiation`, at times after the start [s]."""
+        given = np.zeros((len(times), 4))
+        given[:, 1] = self.sky
+        given[:, 0] = [_absorbed(self.regolith, self.light(time)) for time in times.tolist()]
+        return given
+
+
+def _near_start(ground: _ShoneOn, depths: FloatArray, before: FloatArray) -> FloatArray:
+    """Times [s] and temperatures [K] of the surface within `NEAR` of the start, minute by minute, shape (N, 2).
+
+    Args:
+        before: temperatures at depths [m] when that begins, shape (K,) [K].
+    """
+    fine = cut_ground(ground.regolith, 2.0 * NEAR)  # in so short a time heat comes less deep, through thinner layers
+    ends = np.arange(-NEAR, NEAR, MINUTE) + MINUTE
+    there, _ = advance(fine, np.interp(fine.depths, depths, before), ground.rows(ends - 0.5 * MINUTE), MINUTE)
+    return np.column_stack((ends, there[:, 0]))
 
 
 def _absorbed(regolith: RegolithParams, now: Sunlight) -> float:
