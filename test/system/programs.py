@@ -51,6 +51,7 @@ MODULES = {
     "demo": "sojourn_bringup.demo",
     "goal_client": "sojourn_operator.goal_client",
     "measure_flood": "sojourn_studies.measure_flood",
+    "measure_kills": "sojourn_studies.measure_kills",
     "replay": "sojourn_bringup.replay",
     "report": "sojourn_bags.report_command",
     "start": "sojourn_bringup.start",

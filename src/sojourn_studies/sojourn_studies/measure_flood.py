@@ -21,6 +21,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sojourn_bags.errors import UnreadableBagError
+from sojourn_bags.reading import read_bag
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import load_scenario
@@ -35,9 +37,11 @@ from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import DiagnosticArray, Odometry
 from sojourn_operator.desk import Desk
-from sojourn_studies.flooded_stack import START_S, FloodedStack, growth
 from sojourn_studies.hostile_messages import spoiled, whole
+from sojourn_studies.probed_stack import START_S, ProbedStack, add_options
 
+WAITING = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
+"""What the operator of the stack does: all else that happens to it comes from elsewhere."""
 LISTEN_S, AFTER_S = 3.0, 60.0
 """Wall time for hearing what a run says, and after which it is held for dead after the flood [s]."""
 MOST_SAMPLES = 50
@@ -93,7 +97,7 @@ class Flood(Desk):
         self.listen(topic("/diagnostics"), self._hear_heartbeats)
         return self
 
-    def wait_for_run(self, stack: FloodedStack) -> None:
+    def wait_for_run(self, stack: ProbedStack) -> None:
         """Until the loop runs. Raises CommandError where it does not in START_S."""
         end = time.monotonic() + START_S
         while not self._runs():
@@ -177,7 +181,7 @@ def rows_of_run(scenario: str, changes: Sequence[str], bundled: bool) -> list[To
     return [*heard.values(), *(bundle_of(role) for role in ROLES if bundled)]
 
 
-def flood(stack: FloodedStack, desk: Flood, messages: int, rate: float) -> list[dict[str, float]]:
+def flood(stack: ProbedStack, desk: Flood, messages: int, rate: float) -> list[dict[str, float]]:
     """So many messages at a rate [1/s]; memory of each process, sample by sample [MB]. Raises CommandError."""
     sent, begun, looked_at, samples = 0, time.monotonic(), 0.0, list[dict[str, float]]()
     while sent < messages:
@@ -188,6 +192,23 @@ def flood(stack: FloodedStack, desk: Flood, messages: int, rate: float) -> list[
             stack.require_running()
             samples.append(stack.memory_mb())
     return samples
+
+
+def growth(series: Sequence[float]) -> float:
+    """By which part the last fifth of a series is above its second fifth, by their medians [-]."""
+    fifth = len(series) // 5
+    if fifth == 0:
+        return math.nan
+    return float(np.median(series[-fifth:]) / np.median(series[fifth : 2 * fifth])) - 1.0
+
+
+def record(run_dir: Path) -> tuple[float, int]:
+    """Size of the bag of a run [MB] and messages in it. Raises CommandError where it cannot be read."""
+    try:
+        bag = read_bag(run_dir)
+    except UnreadableBagError as error:
+        raise CommandError(f"the bag of the flooded run: {error}") from error
+    return sum(file.stat().st_size for file in bag.parts) / 1e6, sum(len(one) for one in bag.topics.values())
 
 
 def told(samples: Sequence[dict[str, float]]) -> Iterable[str]:
@@ -201,23 +222,22 @@ def told(samples: Sequence[dict[str, float]]) -> Iterable[str]:
 
 def measure(given: argparse.Namespace, run_dir: Path) -> bool:
     """Measure and print; whether nothing was broken."""
-    options = [option for value in command_line.changes_of(given) for option in ("--set", value)]
-    layout = "--processes" if given.processes else "--composed"
-    options += [layout, *(["--realtime"] if given.realtime else [])]
+    layout = "processes" if given.processes else "composed"
     rows = rows_of_run(given.scenario, command_line.changes_of(given), given.processes and not given.realtime)
-    with FloodedStack(given.scenario, options, given.domain, run_dir) as stack:
-        with Flood(given.domain, rows, given.seed) as desk:
-            desk.wait_for_run(stack)
-            desk.learn()
-            print(f"{given.messages} messages on {len(rows)} topics, {layout[2:]}", flush=True)
-            begun = time.monotonic()
-            samples = flood(stack, desk, given.messages, given.rate)
-            print(f"sent in {time.monotonic() - begun:.0f} s", flush=True)
-            after = desk.cease()
-            stack.require_running()
-            same = set(stack.memory_mb()) == set(samples[0])
-        stack.end()
-        size, recorded = stack.record()
+    with (
+        ProbedStack(given, f"--{layout}", WAITING, run_dir) as stack,
+        Flood(given.domain, rows, given.seed) as desk,
+    ):
+        desk.wait_for_run(stack)
+        desk.learn()
+        print(f"{given.messages} messages on {len(rows)} topics, {layout}", flush=True)
+        begun = time.monotonic()
+        samples = flood(stack, desk, given.messages, given.rate)
+        print(f"sent in {time.monotonic() - begun:.0f} s", flush=True)
+        after = desk.cease()
+        stack.require_running()
+        same = set(stack.memory_mb()) == set(samples[0])
+    size, recorded = record(run_dir)
     for line in told(samples):
         print(line)
     print("no process has ended" if same else "processes have ended, and others have begun")
@@ -229,10 +249,8 @@ def measure(given: argparse.Namespace, run_dir: Path) -> bool:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where a process ended, the truth is not finite or the loop is late."""
     parser = command_line.Parser(prog="measure_flood", description="What hostile messages do to a running stack.")
-    command_line.add_scenario(parser, "flat_drive", "that is run")
+    add_options(parser)
     parser.add_argument("--processes", action="store_true", help="each node a process (default: all in one)")
-    parser.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
-    parser.add_argument("--domain", type=command_line.domain, default=77, metavar="N", help="default: %(default)s")
     parser.add_argument(
         "--messages", type=command_line.count, default=100_000, metavar="N", help="default: %(default)s"
     )

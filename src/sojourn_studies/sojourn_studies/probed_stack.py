@@ -1,0 +1,129 @@
+"""A running stack, as a user starts it, to which somebody does something: its processes, its words, its record."""
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Self
+
+import psutil
+
+from sojourn_config import command_line
+from sojourn_config.command_errors import CommandError
+from sojourn_config.ros_environment import own_environment, ros_variables
+
+START_S, SILENCE_S = 600, 120
+"""Wall time within which it has to run, and after which it ends where a node is silent [s]: a machine may be busy."""
+END_S = 120.0
+"""Wall time that it has to end after SIGINT; its recorder finishes the bag within that."""
+LOOK_S = 0.005
+TITLE = "sojourn_"
+"""Beginning of what nodes call themselves, before their role."""
+
+
+class ProbedStack:
+    """A stack in processes of its own. A context manager: it is ended with it.
+
+    Args:
+        given: options of `add_options`. layout: option of scripts/start.py. changes: of the scenario, under those that
+            are given. run_dir: new folder of the run.
+
+    Attributes:
+        run_dir: as given.
+    """
+
+    def __init__(self, given: argparse.Namespace, layout: str, changes: Sequence[str], run_dir: Path) -> None:
+        self._command = [sys.executable, "-m", "sojourn_bringup.start", given.scenario, layout]
+        for change in (*changes, *command_line.changes_of(given)):
+            self._command += ["--set", change]
+        self._command += ["--domain", str(given.domain), "--run-dir", str(run_dir)]
+        self._command += ["--start-timeout", str(START_S), "--lockstep-timeout", str(SILENCE_S)]
+        self._command += ["--realtime"] if given.realtime else []
+        self._domain, self.run_dir = given.domain, run_dir
+        self._log = run_dir.with_suffix(".log")
+
+    def __enter__(self) -> Self:
+        environment = own_environment(os.environ, ros_variables(self._domain))
+        with self._log.open("wb") as log:
+            self._process = subprocess.Popen(
+                self._command, stdout=log, stderr=subprocess.STDOUT, env=environment, start_new_session=True
+            )
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.end()
+
+    def end(self) -> int:
+        """Interrupt it where it still runs, and wait. Its exit status."""
+        if self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
+        return self.wait()
+
+    def wait(self) -> int:
+        """Until it ends by itself; kill it where it does not. Its exit status."""
+        try:
+            return self._process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            return self._process.wait()
+
+    @property
+    def words(self) -> str:
+        """What it has said so far."""
+        return self._log.read_text(encoding="utf-8", errors="replace")
+
+    def require_running(self) -> None:
+        """Raises CommandError with its last line where it has ended."""
+        if self._process.poll() is not None:
+            said = self.words.strip().splitlines()
+            raise CommandError(f"the stack has ended: {said[-1] if said else 'it said nothing'}")
+
+    def wait_for(self, pattern: str, longest_s: float = START_S) -> re.Match[str]:
+        """Until it has said a pattern of one line. Raises CommandError where it has ended without, or not said it."""
+        end = time.monotonic() + longest_s
+        while not (found := re.search(pattern, self.words, re.MULTILINE)):
+            if self._process.poll() is not None and not re.search(pattern, self.words, re.MULTILINE):
+                self.require_running()
+            if time.monotonic() > end:
+                raise CommandError(f"the stack has not said {pattern!r} within {longest_s:g} s")
+            time.sleep(LOOK_S)
+        return found
+
+    def process_of(self, role: str) -> psutil.Process:
+        """Of a node. Raises CommandError where there is none."""
+        for one in psutil.Process(self._process.pid).children(recursive=True):
+            if _name(one) == role:
+                return one
+        raise CommandError(f"the stack has no process of the {role}")
+
+    def memory_mb(self) -> dict[str, float]:
+        """Resident memory of each of its processes, by number and name [MB]; those that begin or end are left out."""
+        found: dict[str, float] = {}
+        try:
+            stack = psutil.Process(self._process.pid)
+            for one in (stack, *stack.children(recursive=True)):
+                found[f"{one.pid} {_name(one)}"] = one.memory_info().rss / 1e6
+        except psutil.NoSuchProcess:
+            pass
+        return found
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Of what is run, and how."""
+    command_line.add_scenario(parser, "flat_drive", "that is run")
+    parser.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
+    parser.add_argument("--domain", type=command_line.domain, default=77, metavar="N", help="default: %(default)s")
+
+
+def _name(process: psutil.Process) -> str:
+    """What it calls itself: a role, or that which starts the others."""
+    try:
+        words = process.cmdline()
+    except psutil.Error:
+        words = []
+    return words[0].removeprefix(TITLE) if words and words[0].startswith(TITLE) else "start"
