@@ -1,7 +1,6 @@
 """What the measurement of a flood says, and that it tells what is broken."""
 
 import argparse
-import math
 import os
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from sojourn_config.command_errors import CommandError
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, from_cdr
 from sojourn_contract.topics import STANDARD, topic
 from sojourn_studies.hostile_messages import LATEST, LONGEST_GARBAGE, MOST_CHANGES, SHORTEST, spoiled, whole
-from sojourn_studies.measure_flood import growth, record, rows_of_run, told
+from sojourn_studies.measure_flood import record, rows_of_run
 from sojourn_studies.probed_stack import ProbedStack, add_options
 
 NOW = 40 * CONTROL_PERIOD_NS
@@ -45,17 +44,6 @@ def test_the_topics_are_those_that_nodes_hear() -> None:
     assert {"/truth/odom", "/cmd_vel", "/arm/task", "/diagnostics", "/clock", "/truth/contacts"} <= names
     bundled = {row.name for row in rows_of_run("flat_drive", [], bundled=True)}
     assert {"/_period/plant", "/_period/recorder"} <= bundled - names
-
-
-def test_growth_is_of_the_flood_and_not_of_its_beginning() -> None:
-    assert growth([100.0, 200.0, *[300.0] * 18]) == 0.0
-    assert growth([300.0 + number for number in range(20)]) == pytest.approx(12 / 305.5)
-    assert math.isnan(growth([1.0, 2.0]))
-    lines = list(told([{"7 plant": 100.0 + number, "8 drive": 50.0} for number in range(10)]))
-    assert lines == [
-        "7 plant: 100 MB at first, 109 MB at last, +5.9 % over the flood",
-        "8 drive: 50 MB at first, 50 MB at last, +0.0 % over the flood",
-    ]
 
 
 def test_a_stack_that_ends_is_said_with_its_last_words(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import math
 import tempfile
 import time
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -38,6 +38,7 @@ from sojourn_contract.types import message_class
 from sojourn_contract.values import DiagnosticArray, Odometry
 from sojourn_operator.desk import Desk
 from sojourn_studies.hostile_messages import spoiled, whole
+from sojourn_studies.memory_growth import Sample, told
 from sojourn_studies.probed_stack import START_S, ProbedStack, add_options
 
 WAITING = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
@@ -181,9 +182,9 @@ def rows_of_run(scenario: str, changes: Sequence[str], bundled: bool) -> list[To
     return [*heard.values(), *(bundle_of(role) for role in ROLES if bundled)]
 
 
-def flood(stack: ProbedStack, desk: Flood, messages: int, rate: float) -> list[dict[str, float]]:
+def flood(stack: ProbedStack, desk: Flood, messages: int, rate: float) -> list[Sample]:
     """So many messages at a rate [1/s]; memory of each process, sample by sample [MB]. Raises CommandError."""
-    sent, begun, looked_at, samples = 0, time.monotonic(), 0.0, list[dict[str, float]]()
+    sent, begun, looked_at, samples = 0, time.monotonic(), 0.0, list[Sample]()
     while sent < messages:
         sent += desk.round()
         desk.spin(max(0.0, begun + sent / rate - time.monotonic()))
@@ -194,14 +195,6 @@ def flood(stack: ProbedStack, desk: Flood, messages: int, rate: float) -> list[d
     return samples
 
 
-def growth(series: Sequence[float]) -> float:
-    """By which part the last fifth of a series is above its second fifth, by their medians [-]."""
-    fifth = len(series) // 5
-    if fifth == 0:
-        return math.nan
-    return float(np.median(series[-fifth:]) / np.median(series[fifth : 2 * fifth])) - 1.0
-
-
 def record(run_dir: Path) -> tuple[float, int]:
     """Size of the bag of a run [MB] and messages in it. Raises CommandError where it cannot be read."""
     try:
@@ -209,15 +202,6 @@ def record(run_dir: Path) -> tuple[float, int]:
     except UnreadableBagError as error:
         raise CommandError(f"the bag of the flooded run: {error}") from error
     return sum(file.stat().st_size for file in bag.parts) / 1e6, sum(len(one) for one in bag.topics.values())
-
-
-def told(samples: Sequence[dict[str, float]]) -> Iterable[str]:
-    """Lines about the memory of each process."""
-    for name in samples[0]:
-        series = [sample[name] for sample in samples if name in sample]
-        part = growth(series)
-        over = "" if math.isnan(part) else f", {100.0 * part:+.1f} % over the flood"
-        yield f"{name}: {series[0]:.0f} MB at first, {series[-1]:.0f} MB at last{over}"
 
 
 def measure(given: argparse.Namespace, run_dir: Path) -> bool:

@@ -60,7 +60,7 @@ class ProbedStack:
 
     def end(self) -> int:
         """Interrupt it where it still runs, and wait. Its exit status."""
-        if self._process.poll() is None:
+        if self.runs:
             self._process.send_signal(signal.SIGINT)
         return self.wait()
 
@@ -77,9 +77,14 @@ class ProbedStack:
         """What it has said so far."""
         return self._log.read_text(encoding="utf-8", errors="replace")
 
+    @property
+    def runs(self) -> bool:
+        """Whether it has not ended."""
+        return self._process.poll() is None
+
     def require_running(self) -> None:
         """Raises CommandError with its last line where it has ended."""
-        if self._process.poll() is not None:
+        if not self.runs:
             said = self.words.strip().splitlines()
             raise CommandError(f"the stack has ended: {said[-1] if said else 'it said nothing'}")
 
@@ -87,7 +92,7 @@ class ProbedStack:
         """Until it has said a pattern of one line. Raises CommandError where it has ended without, or not said it."""
         end = time.monotonic() + longest_s
         while not (found := re.search(pattern, self.words, re.MULTILINE)):
-            if self._process.poll() is not None and not re.search(pattern, self.words, re.MULTILINE):
+            if not self.runs and not re.search(pattern, self.words, re.MULTILINE):
                 self.require_running()
             if time.monotonic() > end:
                 raise CommandError(f"the stack has not said {pattern!r} within {longest_s:g} s")

@@ -1,0 +1,29 @@
+"""What the measurement of a day makes of what it has seen."""
+
+import math
+
+import pytest
+
+from sojourn_config.scenario import load_scenario
+from sojourn_studies.measure_soak import EVERY_S, WAIT_S, day
+from sojourn_studies.memory_growth import growth, told
+
+
+def test_a_day_is_drives_to_and_fro_with_waits() -> None:
+    scenario = load_scenario("flat_drive", day(24.0))
+    drives, waits = scenario.config.steps[::2], scenario.config.steps[1::2]
+    assert len(drives) == len(waits) == 24 * 3600 / EVERY_S
+    assert {one.kind for one in drives} == {"drive_to"} and {one.kind for one in waits} == {"wait_s"}
+    assert scenario.leaps is not None and WAIT_S < EVERY_S
+    assert len(load_scenario("flat_drive", day(0.1)).config.steps) == 2
+
+
+def test_growth_is_of_what_follows_once_buffers_are_full() -> None:
+    assert growth([100.0, 200.0, *[300.0] * 18]) == 0.0
+    assert growth([300.0 + number for number in range(20)]) == pytest.approx(12 / 305.5)
+    assert math.isnan(growth([1.0, 2.0]))
+    lines = list(told([{"7 plant": 100.0 + number, "8 drive": 50.0} for number in range(10)]))
+    assert lines == [
+        "7 plant: 100 MB at first, 109 MB at last, +5.9 % from the second fifth to the last",
+        "8 drive: 50 MB at first, 50 MB at last, +0.0 % from the second fifth to the last",
+    ]
