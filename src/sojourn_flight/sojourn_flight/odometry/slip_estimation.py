@@ -40,7 +40,9 @@ from sojourn_flight.odometry.speed_filter import (
     bound_factor,
     carry_gravity,
     felt_rocking,
+    felt_tilting,
     initial_covariance,
+    is_tilting,
     level_gravity,
     predict,
     rest,
@@ -127,6 +129,8 @@ class SlipState(NamedTuple):
     """Standard deviation of that [-]."""
     ahead: FloatArray
     """Where the wheels roll to, or did when they last rolled: unit vector in base_link, shape (2,)."""
+    tilting: FloatArray
+    """From `felt_tilting`, shape (2, 2)."""
     felt: FloatArray
     """Acceleration along x of base_link: mean [m/s^2] and variance [m^2/s^4] of late, shape (2,)."""
     way: float
@@ -206,6 +210,7 @@ class SlipModel:
             shared=0.0,
             sigma=0.0,
             ahead=np.array((1.0, 0.0)),
+            tilting=np.zeros((2, 2)),
             felt=np.zeros(2),
             way=0.0,
             pace=0.0,
@@ -265,7 +270,7 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     if dt <= SAMPLED_WITHIN:
         gravity = carry_gravity(gravity, np.array((gyro[0] - rest_rate[0], gyro[1] - rest_rate[1], gyro[2])), dt)
     felt, torques = seen.specific_force + gravity, np.empty(count)
-    rocking = felt_rocking(old.felt, felt[0], lasting)
+    rocking, tilting = felt_rocking(old.felt, felt[0], lasting), felt_tilting(old.tilting, gyro, lasting)
     standing, fastest = np.zeros(count), 0.0
     for i in range(count):
         late = seen.wheel_torques[i] - old.torques[i]
@@ -286,13 +291,13 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
     shared, sigma = 0.0, 0.0
     standing_for = (old.standing_for if dt <= SAMPLED_WITHIN else 0.0) + lasting if fastest < STANDING_STILL else 0.0
     if standing_for > SETTLED_AFTER:
-        if standing_for > RESTING_AFTER:
+        if standing_for > RESTING_AFTER and not is_tilting(tilting):
             rest(states, gravity, rest_rate, gyro, felt[1], rest_share(standing_for - RESTING_AFTER, dt))
         stand(states, covariance, rocking, felt[0], dt, _noise(trust, trust.drift_walk**2 * dt))
         torques[:] = 0.0
         return SlipState(
-            states, covariance, gravity, rest_rate, torques, rates, slip, False, shared, sigma, ahead, rocking, old.way,
-            pace, standing_for, stuck, idle, blocked,
+            states, covariance, gravity, rest_rate, torques, rates, slip, False, shared, sigma, ahead, tilting, rocking,
+            old.way, pace, standing_for, stuck, idle, blocked,
         )  # fmt: skip
     acceleration = felt[0] * ahead_x + felt[1] * ahead_y
     drift_variance = (trust.drift_walk**2 + TURNED_APART * abs(gyro[2]) * trust.accelerometer_bias**2) * dt
@@ -347,6 +352,6 @@ def _period(machine: WheeledMachine, trust: Trust, old: SlipState, seen: SlipInp
         if standing[i] > 0.5 and abs(table[i, 2] * seen.commanded_rates[i]) >= least_speed and fastest >= least_speed:
             blocked[i] = old.blocked_for[i] + lasting
     return SlipState(
-        states, covariance, gravity, rest_rate, torques, rates, slip, observable, shared, sigma, ahead, rocking, way,
-        pace, standing_for, stuck, idle, blocked,
+        states, covariance, gravity, rest_rate, torques, rates, slip, observable, shared, sigma, ahead, tilting,
+        rocking, way, pace, standing_for, stuck, idle, blocked,
     )  # fmt: skip

@@ -62,6 +62,12 @@ ROCKING_LAG = 0.5
 """Time over which the acceleration that is felt is averaged [s]."""
 REST_PRIOR, REST_MEMORY = 10.0, 120.0
 """A rest of so long counts half against what was known before, and one of more than that is forgotten [s]."""
+QUICK_TILT, SLOW_TILT = 0.5, 5.0
+"""Times over which the tilt rate is averaged [s]: of a body at rest both means are the bias of the gyros."""
+TILTING = 2e-4
+"""Difference of these means from which on the body is not at rest [rad/s]: five standard deviations of what a gyro of
+0.15 deg/sqrt(h) makes of rest, and a seventh of what steering on the spot does.
+"""
 FACTOR_BOUND = 3.0
 """The soil's factor is held within so many standard deviations of a new soil's [-]."""
 
@@ -132,6 +138,22 @@ def felt_rocking(felt: FloatArray, acceleration: float, dt: float) -> FloatArray
     share = dt / (ROCKING_LAG + dt)
     off = acceleration - felt[0]
     return np.array((felt[0] + share * off, (1.0 - share) * (felt[1] + share * off * off)))
+
+
+@njit(cache=True)
+def felt_tilting(tilting: FloatArray, rate: FloatArray, dt: float) -> FloatArray:
+    """Means of the tilt rates about x and y over QUICK_TILT and SLOW_TILT, shape (2, 2) [rad/s], with one more reading.
+
+    Args:
+        rate: of the gyros, shape (3,) [rad/s].
+    """
+    return tilting + np.array(((dt / (QUICK_TILT + dt),), (dt / (SLOW_TILT + dt),))) * (rate[:2] - tilting)
+
+
+@njit(cache=True)
+def is_tilting(tilting: FloatArray) -> bool:
+    """Whether the body turns about x or y though its wheels stand: they are steered, or the arm moves."""
+    return bool(np.abs(tilting[0] - tilting[1]).max() > TILTING)
 
 
 @njit(cache=True)
@@ -228,7 +250,8 @@ def rest_share(rested: float, dt: float) -> float:
 def rest(
     states: FloatArray, gravity: FloatArray, rest_rate: FloatArray, rate: FloatArray, across: float, share: float
 ) -> None:
-    """A machine that does not move at all: what gyros tell is no turning, and what is felt is tilt, in place.
+    """A machine that does not move at all (`is_tilting`): what gyros tell is no turning, and what is felt is tilt, in
+    place.
 
     The z axis of the gyros has its own bias, in the odometry.
 
