@@ -5,12 +5,12 @@ import math
 import pytest
 
 from sojourn_config.scenario import load_scenario
-from sojourn_studies.measure_soak import EVERY_S, WAIT_S, day
+from sojourn_studies.measure_soak import EVERY_S, SUPPLIED, WAIT_S, day
 from sojourn_studies.memory_growth import growth, told
 
 
 def test_a_day_is_drives_to_and_fro_with_waits() -> None:
-    scenario = load_scenario("flat_drive", day(24.0))
+    scenario = load_scenario(SUPPLIED, day(24.0))
     drives, waits = scenario.config.steps[::2], scenario.config.steps[1::2]
     assert len(drives) == len(waits) == 24 * 3600 / EVERY_S
     assert {one.kind for one in drives} == {"drive_to"} and {one.kind for one in waits} == {"wait_s"}

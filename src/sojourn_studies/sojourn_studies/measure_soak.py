@@ -21,6 +21,8 @@ from sojourn_studies.probed_stack import ProbedStack, add_options
 
 EVERY_S, WAIT_S, LEAP_S = 1800.0, 1700.0, 1200.0
 """From one drive to the next, of which it waits so long, and by how much the clock leaps then at most [s]."""
+SUPPLIED = "isotope_sol"
+"""A scenario whose machine has power for that by day and by night."""
 LOOK_S = 2.0
 MOST_GROWTH = 0.01
 
@@ -61,7 +63,7 @@ def measure(given: argparse.Namespace, run_dir: Path) -> bool:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where a goal is not met, something is lost, or a process grows."""
     parser = command_line.Parser(prog="measure_soak", description="A day of driving: what it leaves in memory.")
-    add_options(parser)
+    add_options(parser, SUPPLIED)
     parser.add_argument("--composed", action="store_true", help="all nodes in one process")
     parser.add_argument("--hours", type=command_line.positive, default=24.0, metavar="H", help="default: %(default)s")
     given = parser.parse_args(arguments)

@@ -118,9 +118,9 @@ class ProbedStack:
         return found
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Of what is run, and how."""
-    command_line.add_scenario(parser, "flat_drive", "that is run")
+def add_options(parser: argparse.ArgumentParser, scenario: str = "flat_drive") -> None:
+    """Of what is run, and how. scenario: by default."""
+    command_line.add_scenario(parser, scenario, "that is run")
     parser.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
     parser.add_argument("--domain", type=command_line.domain, default=77, metavar="N", help="default: %(default)s")
 
