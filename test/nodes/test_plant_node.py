@@ -24,7 +24,7 @@ from sojourn_contract.heartbeat import (
     status_message,
 )
 from sojourn_contract.silence import Silence
-from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topics import outputs_of, topic
 from sojourn_contract.values import Header
 from sojourn_drive.node import DriveNode
@@ -423,3 +423,12 @@ def test_a_node_that_has_heard_a_strangers_clock_before_the_run_is_ready_all_the
     assert roster.missing() == ["recorder"], "it has not met all others yet"
     says("recorder", STALLED, **{WAITING_FOR: "plant", MATCHED: "yes"})
     assert not roster.missing()
+
+
+def test_in_real_time_it_keeps_on_though_its_timer_waits_behind_messages(bench: Bench) -> None:
+    """A flood that an overloaded machine cannot hear as fast as it comes: only its chores have their turn."""
+    plant = begin(bench, "plant", "drive", lockstep=False)
+    before, end = plant.now, time.monotonic() + 600.0
+    while plant.now < before + 5 * CONTROL_PERIOD_NS and time.monotonic() < end:
+        plant.poll()
+    assert plant.now >= before + 5 * CONTROL_PERIOD_NS

@@ -17,7 +17,7 @@ def test_it_goes_on_in_lockstep(start: Callable[..., Program], domain: int, layo
     run = start("measure_flood", *options)
     run.wait()
     assert f"10000 messages on {TOPICS[layout]} topics, {layout}" in run.text, run.text
-    assert "no process has ended" in run.text, run.text
+    assert "no node has ended" in run.text, run.text
     assert re.search(r"the loop runs again after \d+\.\d\d s; its truth is finite", run.text), run.text
     refused, recorded = map(int, re.findall(r"refused by the nodes: (\d+); the bag has (\d+) messages", run.text)[0])
     assert refused > 1000 and recorded > 1000

@@ -71,6 +71,8 @@ class PacingNode(AppNode):
         self._begun = False
         self._silence_of_others = Silence(self._created)
         self._timer: Any = None
+        self._acted_at = 0.0
+        """Wall time of the last period in real time [s]."""
         self._asking_limit = AskingLimit()
         self.keeper: Keeper | None = None
         """None: nobody keeps anything."""
@@ -121,6 +123,8 @@ class PacingNode(AppNode):
                 self.act(self.now + stamps.CONTROL_PERIOD_NS, {})
         elif self.lockstep and waited > self.timeout_s and self.barrier.missing():
             self._stop_for_silence()
+        elif not self.lockstep and time.monotonic() - self._acted_at > 2.0 * stamps.CONTROL_PERIOD_S:
+            self._act_in_real_time()  # its timer waits behind more messages than can be heard
         elif self.keeper is not None:
             self._advance()
 
@@ -162,12 +166,14 @@ class PacingNode(AppNode):
         for name, message in self.first_words or ():
             self.endpoints.send(name, message)
         if not self.lockstep:
+            self._acted_at = time.monotonic()
             self._timer = self.create_timer(stamps.CONTROL_PERIOD_S, self._act_in_real_time)
         self._advance()  # where nobody answers in the first period, no message would begin the run
 
     def _act_in_real_time(self) -> None:
         if self.finished:
             return
+        self._acted_at = time.monotonic()
         stamp = self.now + stamps.CONTROL_PERIOD_NS
         self.act(stamp, self.latest.at(stamp))
 

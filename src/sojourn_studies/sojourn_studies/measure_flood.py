@@ -5,8 +5,8 @@
 
 The messages go to every topic that a node of the run subscribes, its bundles too, at a rate that its nodes can take.
 Most are what the run itself says there, with a few bytes changed; half are stamped about now, so that some are taken.
-Told are: whether a process has ended, what each holds in memory early and late, how soon after the last message the
-loop runs again, whether the truth that it then tells is finite, and what the nodes say that they have refused.
+Told are: whether a node has ended, what each process holds in memory early and late, how soon after the last message
+the loop runs again, whether all truth that the run tells is finite, and what the nodes say that they have refused.
 """
 
 import argparse
@@ -214,24 +214,25 @@ def measure(given: argparse.Namespace, run_dir: Path) -> bool:
     ):
         desk.wait_for_run(stack)
         desk.learn()
+        nodes = stack.nodes
         print(f"{given.messages} messages on {len(rows)} topics, {layout}", flush=True)
         begun = time.monotonic()
         samples = flood(stack, desk, given.messages, given.rate)
         print(f"sent in {time.monotonic() - begun:.0f} s", flush=True)
         after = desk.cease()
         stack.require_running()
-        same = set(stack.memory_mb()) == set(samples[0])
+        same = stack.nodes == nodes
     size, recorded = record(run_dir)
     for line in told(samples):
         print(line)
-    print("no process has ended" if same else "processes have ended, and others have begun")
+    print("no node has ended" if same else "nodes have ended, and others have begun")
     print(f"the loop runs again after {after.back_s:.2f} s; its truth is {'' if after.is_finite else 'not '}finite")
     print(f"refused by the nodes: {after.refused}; the bag has {recorded} messages, {size:.0f} MB")
     return same and after.is_finite and after.back_s <= BACK_S
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Measure and print; status 1 where a process ended, the truth is not finite or the loop is late."""
+    """Measure and print; status 1 where a node ended, the truth is not finite or the loop is late."""
     parser = command_line.Parser(prog="measure_flood", description="What hostile messages do to a running stack.")
     add_options(parser)
     parser.add_argument("--processes", action="store_true", help="each node a process (default: all in one)")

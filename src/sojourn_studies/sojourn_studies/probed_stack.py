@@ -13,6 +13,7 @@ from typing import Self
 
 import psutil
 
+from sojourn_bringup.process_table import ROLE_NAMES
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.ros_environment import own_environment, ros_variables
@@ -105,6 +106,14 @@ class ProbedStack:
             if _name(one) == role:
                 return one
         raise CommandError(f"the stack has no process of the {role}")
+
+    @property
+    def nodes(self) -> set[tuple[int, str]]:
+        """Process numbers and roles of its nodes that are processes; a recorder that waits for the death of the other
+        is none yet.
+        """
+        children = psutil.Process(self._process.pid).children(recursive=True)
+        return {(one.pid, name) for one in children if (name := _name(one)) in ROLE_NAMES}
 
     def memory_mb(self) -> dict[str, float]:
         """Resident memory of each of its processes, by number and name [MB]; those that begin or end are left out."""
