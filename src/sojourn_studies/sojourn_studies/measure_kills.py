@@ -1,6 +1,6 @@
-"""Measures what becomes of a running stack whose nodes are killed, each at many moments of a drive.
+"""Measures what becomes of a running stack whose nodes are killed, each at many moments.
 
-    scripts/lib/python -m sojourn_studies.measure_kills --kills 20              # lock-step: each kill ends a run
+    scripts/lib/python -m sojourn_studies.measure_kills --kills 20              # lock-step, driving: each ends a run
     scripts/lib/python -m sojourn_studies.measure_kills --kills 20 --realtime   # killed nodes are started again
 
 Told of each kill: how soon the stack has noticed it, how soon the node runs again or what the run ended with, and how
@@ -9,7 +9,9 @@ the world is gone, ends one each time.
 """
 
 import argparse
+import os
 import re
+import signal
 import tempfile
 import time
 from collections.abc import Iterable, Iterator, Sequence
@@ -28,7 +30,10 @@ from sojourn_studies.probed_stack import ProbedStack, add_options
 
 SQUARE = "[{x: 5.0, y: 0.0}, {x: 5.0, y: 6.0}, {x: -5.0, y: 6.0}, {x: -5.0, y: -5.0}, {x: 5.0, y: -5.0}]"
 DRIVES = (f"steps=[{{drive_route: {{points: {SQUARE}}}, timeout_s: 1e5}}]", "duration_limit_s=1e5")
-"""What the run does meanwhile: for longer than any kill is waited for in lock-step."""
+WAITS = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
+"""What the run does meanwhile: in lock-step it drives; in real time it waits, as a goal is lost with the drive's death,
+and a run with its goal.
+"""
 SOONEST_S, LATEST_S = 0.5, 5.0
 """Wall time from the loop's first periods, or from when the last killed node ran again, to a kill."""
 SPARED_S = 11.0
@@ -51,10 +56,9 @@ class Kill(NamedTuple):
 
 def kill(stack: ProbedStack, role: str) -> Kill:
     """A node of it, which is noticed. Raises CommandError where it is not."""
-    victim = stack.process_of(role)
-    begun = time.monotonic()
-    victim.kill()
-    line = stack.wait_for(rf"^.*{role} \(process {victim.pid}\) was killed by SIGKILL.*$")
+    victim, begun = stack.nodes[role], time.monotonic()
+    os.kill(victim, signal.SIGKILL)
+    line = stack.wait_for(rf"^.*{role} \(process {victim}\) was killed by SIGKILL.*$")
     noticed = time.monotonic() - begun
     again = re.search(r"started again as process (\d+)", line[0])
     if again is None:
@@ -84,7 +88,7 @@ def lacking_s(stack: ProbedStack) -> float:
 def one_run(given: argparse.Namespace, roles: Iterable[str], random: np.random.Generator, run_dir: Path) -> list[Kill]:
     """Kills of one run, the roles in turn; prints them, and what the bags lack. Raises CommandError."""
     kills, last = list[Kill](), dict[str, float]()
-    with ProbedStack(given, "--processes", DRIVES, run_dir) as stack:
+    with ProbedStack(given, "--processes", WAITS if given.realtime else DRIVES, run_dir) as stack:
         for role in ROLE_NAMES:
             stack.wait_for(rf"^{role} \(process \d+\): running")
         for role in roles:

@@ -13,7 +13,6 @@ from typing import Self
 
 import psutil
 
-from sojourn_bringup.process_table import ROLE_NAMES
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.ros_environment import own_environment, ros_variables
@@ -23,6 +22,8 @@ START_S, SILENCE_S = 600, 120
 END_S = 120.0
 """Wall time that it has to end after SIGINT; its recorder finishes the bag within that."""
 LOOK_S = 0.005
+NODE = re.compile(r"^(\w+) \(process (\d+)\): ", re.MULTILINE)
+"""What a stack says of a node begins so."""
 TITLE = "sojourn_"
 """Beginning of what nodes call themselves, before their role."""
 
@@ -100,20 +101,10 @@ class ProbedStack:
             time.sleep(LOOK_S)
         return found
 
-    def process_of(self, role: str) -> psutil.Process:
-        """Of a node. Raises CommandError where there is none."""
-        for one in psutil.Process(self._process.pid).children(recursive=True):
-            if _name(one) == role:
-                return one
-        raise CommandError(f"the stack has no process of the {role}")
-
     @property
-    def nodes(self) -> set[tuple[int, str]]:
-        """Process numbers and roles of its nodes that are processes; a recorder that waits for the death of the other
-        is none yet.
-        """
-        children = psutil.Process(self._process.pid).children(recursive=True)
-        return {(one.pid, name) for one in children if (name := _name(one)) in ROLE_NAMES}
+    def nodes(self) -> dict[str, int]:
+        """Number of the process in which each role is now, as the stack has said it last."""
+        return {role: int(number) for role, number in NODE.findall(self.words)}
 
     def memory_mb(self) -> dict[str, float]:
         """Resident memory of each of its processes, by number and name [MB]; those that begin or end are left out."""
