@@ -36,7 +36,7 @@ def test_a_kill_that_is_noticed_late_is_a_failure(capsys: pytest.CaptureFixture[
         ({"bag": (0.02, 20.0)}, 0.0),
         ({"bag": (0.02, 19.0)}, 0.5),
         ({"bag": (0.02, 10.0), "bag_2": (12.0, 20.0)}, 1.0),
-        ({"bag": (0.02, 10.0), "bag_2": (10.02, 12.0), "bag_3": (12.02, 20.0)}, 0.01),
+        ({"bag": (0.02, 10.0), "bag_2": (10.02, 12.0), "bag_10": (12.02, 20.0)}, 0.01),
     ],
 )
 def test_what_bags_lack_is_told_in_wall_time(

@@ -67,21 +67,27 @@ def kill(stack: ProbedStack, role: str) -> Kill:
     return Kill(role, noticed, time.monotonic() - begun, line[0])
 
 
+def held(bag: Path) -> tuple[float, float] | None:
+    """Simulation times from which and up to which a bag goes [s]; None of one that holds nothing.
+
+    Raises CommandError where it cannot be read.
+    """
+    try:
+        times = [at for messages in read_bag(bag).topics.values() for at in messages.log_times]
+    except UnreadableBagError as error:
+        raise CommandError(f"the bag of a killed run: {error}") from error
+    return (seconds(min(times)), seconds(max(times))) if times else None
+
+
 def lacking_s(stack: ProbedStack) -> float:
-    """Wall time that the bags of a run that has ended lack, between them and at the end [s].
+    """Longest wall time that the bags of a run that has ended lack, between two of them or at the end [s].
 
     Raises CommandError where one cannot be read.
     """
     *_, (simulated, wall) = [(float(at), float(wall)) for at, wall in ENDED.findall(stack.words)]
     lacking, before = 0.0, 0.0
-    for folder in sorted(stack.run_dir.glob("bag*")):
-        try:
-            times = [at for messages in read_bag(folder).topics.values() for at in messages.log_times]
-        except UnreadableBagError as error:
-            raise CommandError(f"the bag of a killed run: {error}") from error
-        if times:
-            lacking = max(lacking, seconds(min(times)) - before)
-            before = seconds(max(times))
+    for first, last in sorted(filter(None, map(held, stack.run_dir.glob("bag*")))):
+        lacking, before = max(lacking, first - before), last
     return max(lacking, simulated - before) * wall / max(simulated, 1e-9)
 
 
