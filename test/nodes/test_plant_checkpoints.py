@@ -4,36 +4,25 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from node_bench import SCENARIO, Bench
+from node_bench import Bench
 
-from sojourn_config.scenario import load_scenario
 from sojourn_contract.checkpoint_topic import FILED, STATE
 from sojourn_contract.codecs import encode
 from sojourn_contract.handing_over import reader, sender
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.values import DiagnosticArray, Header
-from sojourn_plant import app
 from sojourn_plant.node import PlantNode
-from sojourn_plant.start import build_plant
 
 EVERY = 2
 """Control periods from one checkpoint to the next; the recorder, who alone is with the plant, may lag by 25."""
 
 
-@pytest.fixture(scope="module")
-def built() -> Any:
-    """Model and first state, made once."""
-    return build_plant(load_scenario(SCENARIO))
-
-
 @pytest.fixture
-def run(bench: Bench, built: Any, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[PlantNode, list[int]]]:
+def run(bench: Bench, quick_start: None) -> Callable[..., tuple[PlantNode, list[int]]]:
     """Starts a plant, and gives it with the periods of which it hands over its state."""
 
     def start(timeout_s: float = 600.0) -> tuple[PlantNode, list[int]]:
-        model, state = built
-        monkeypatch.setattr(app, "build_plant", lambda _: (model, state.copy()))
         every_s = EVERY * CONTROL_PERIOD_NS / 1e9
         plant = bench.start(
             PlantNode, "plant", "recorder", checkpoint_every_s=every_s, lockstep_timeout_s=float(timeout_s)

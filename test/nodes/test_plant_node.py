@@ -6,10 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from node_bench import ARM, SCENARIO, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
+from node_bench import ARM, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
 
 from ros_messages import ros_time, serialized
-from sojourn_config.scenario import load_scenario
 from sojourn_contract.checkpoint_topic import CHECKPOINT
 from sojourn_contract.codecs import encode
 from sojourn_contract.events import format_tick
@@ -28,26 +27,14 @@ from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topics import outputs_of, topic
 from sojourn_contract.values import Header
 from sojourn_drive.node import DriveNode
-from sojourn_plant import app
 from sojourn_plant.node import PlantNode
 from sojourn_plant.roster import Roster
-from sojourn_plant.start import build_plant
 from sojourn_sensors.node import SensorsNode
 
 DRIVEN = (*WHEELS, *STEERS)
 
 
-@pytest.fixture(scope="module")
-def built() -> Any:
-    """Model and first state, made once: to settle the machine takes most of a test's time."""
-    return build_plant(load_scenario(SCENARIO))
-
-
-@pytest.fixture(autouse=True)
-def quick_start(built: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """All that changes is in the state, so each plant gets a copy of that and the model itself."""
-    model, state = built
-    monkeypatch.setattr(app, "build_plant", lambda scenario: (model, state.copy()))
+pytestmark = pytest.mark.usefixtures("quick_start")
 
 
 def begin(bench: Bench, *participants: str, **parameters: Any) -> PlantNode:

@@ -14,7 +14,7 @@ from sojourn_contract.stamps import CONTROL_PERIOD_NS, from_cdr
 from sojourn_contract.topics import STANDARD, topic
 from sojourn_studies.hostile_messages import LATEST, LONGEST_GARBAGE, MOST_CHANGES, SHORTEST, spoiled, whole
 from sojourn_studies.measure_flood import record, rows_of_run
-from sojourn_studies.probed_stack import ProbedStack, add_options
+from sojourn_studies.probed_stack import add_options, probed
 
 NOW = 40 * CONTROL_PERIOD_NS
 
@@ -50,7 +50,7 @@ def test_a_stack_that_ends_is_said_with_its_last_words(tmp_path: Path) -> None:
     parser = argparse.ArgumentParser()
     add_options(parser)
     given = parser.parse_args(["--set", "nonsense=1"])
-    with ProbedStack(given, "--composed", (), tmp_path / "run") as stack:
+    with probed(given, "--composed", (), tmp_path / "run") as stack:
         assert str(os.getpid()) not in str(stack.memory_mb())
         with pytest.raises(CommandError, match=r"^the stack has ended: .*nonsense"):
             stack.wait_for(": running")

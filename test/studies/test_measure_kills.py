@@ -42,13 +42,13 @@ def test_a_kill_that_is_noticed_late_is_a_failure(capsys: pytest.CaptureFixture[
 def test_what_bags_lack_is_told_in_wall_time(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Any, bags: dict[str, tuple[float, float]], lacking: float
 ) -> None:
-    def read_bag(folder: Any) -> Any:
+    def bag_of(_run: str, folder: Any) -> Any:
         times = SimpleNamespace(log_times=[round(at * 1e9) for at in bags[folder.name]])
         return SimpleNamespace(topics={"/odom": times, "/tf": SimpleNamespace(log_times=[])})
 
     for name in bags:
         (tmp_path / name).mkdir()
-    monkeypatch.setattr(measure_kills, "read_bag", read_bag)
+    monkeypatch.setattr(measure_kills, "bag_of", bag_of)
     words = "drive was killed after 19 s of simulation\nit ended after 20.00 s of simulation, 10.0 s of wall time\n"
     stack: Any = SimpleNamespace(run_dir=tmp_path, words=words)
     assert lacking_s(stack) == pytest.approx(lacking, abs=0.0101)

@@ -75,6 +75,11 @@ def unpack(topic: str, data: bytes) -> list[tuple[str, bytes]]:
     return said
 
 
+def padded(data: bytes) -> bytes:
+    """A message as the middleware brings it, which fills up to four bytes."""
+    return data + bytes(-len(data) % 4)
+
+
 class Twins:
     """Tells the second of two equal messages, one of which comes in a bundle and one by its topic.
 
@@ -90,8 +95,8 @@ class Twins:
         return len(self._ahead)
 
     def is_second(self, topic: str, data: bytes, bundled: bool) -> bool:
-        """Whether the message has come the other way already. The middleware fills up to four bytes."""
-        key, way = (topic, data + bytes(-len(data) % 4)), 1 if bundled else -1
+        """Whether the message has come the other way already."""
+        key, way = (topic, padded(data)), 1 if bundled else -1
         ahead = self._ahead.pop(key, 0)
         if ahead != -way:
             self._ahead[key] = ahead + way

@@ -9,8 +9,6 @@ the middleware.
 """
 
 import os
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -24,10 +22,11 @@ from rclpy.experimental import EventsExecutor
 from sensor_msgs.msg import JointState
 
 from sojourn_config.command_errors import CommandError
-from sojourn_config.ros_environment import own_environment, ros_variables
+from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import qos
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topics import topic
+from sojourn_studies.probed_stack import ProbedStack
 
 SCENARIO = "flat_drive"
 SPEEDS = (0.050, 0.056)
@@ -35,7 +34,7 @@ SPEEDS = (0.050, 0.056)
 SPACING_S = 0.1
 CHANGE = 0.004
 """Change of a wheel's rate within a period that a new speed makes, and noise does not [rad/s]."""
-START_S, ANSWER_S, END_S = 60.0, 1.0, 20.0
+START_S, ANSWER_S = 60.0, 1.0
 P99 = "/cmd_vel to /drive_command, 99th percentile [ms]"
 TARGETS = {P99: ("<=", 25.0)}
 
@@ -105,25 +104,10 @@ def bench_commands(domain: int, commands: int) -> dict[str, float]:
     """Median, 99th percentile and worst of so many commands, with the load of the machine before."""
     load = os.getloadavg()[0]
     with tempfile.TemporaryDirectory(prefix="sojourn-bench-") as folder:
-        wishes = [SCENARIO, "--realtime", "--domain", str(domain), "--run-dir", str(Path(folder) / "run")]
-        wishes += ["--set", "steps=[]", "--set", "terrain.size_x=60.0", "--set", "duration_limit_s=3000"]
-        environment = own_environment(os.environ, ros_variables(domain))
-        stack = subprocess.Popen(
-            [sys.executable, "-m", "sojourn_bringup.start", *wishes],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            env=environment,
-        )
-        try:
-            with CommandClock(domain) as clock:
-                times = _time_all(clock, stack, commands)
-        finally:
-            stack.terminate()
-            try:
-                stack.wait(END_S)
-            except subprocess.TimeoutExpired:
-                stack.kill()
-                stack.wait()
+        wishes = [SCENARIO, "--realtime", "--set", "steps=[]", "--set", "terrain.size_x=60.0"]
+        wishes += ["--set", "duration_limit_s=3000"]
+        with ProbedStack(wishes, domain, Path(folder) / "run") as stack, CommandClock(domain) as clock:
+            times = _time_all(clock, stack, commands)
     milliseconds = 1e3 * np.array(times)
     return {
         "/cmd_vel to /drive_command, median [ms]": float(np.median(milliseconds)),
@@ -133,11 +117,11 @@ def bench_commands(domain: int, commands: int) -> dict[str, float]:
     }
 
 
-def _time_all(clock: CommandClock, stack: subprocess.Popen[bytes], commands: int) -> list[float]:
+def _time_all(clock: CommandClock, stack: ProbedStack, commands: int) -> list[float]:
     end = time.monotonic() + START_S
     while clock.answers < 50:
         clock.spin(0.1)
-        if stack.poll() is not None or time.monotonic() > end:
+        if not stack.runs or time.monotonic() > end:
             raise CommandError("the bench of commands: the stack does not run in real time")
     for _ in range(20):  # up to the first speed
         clock.send(SPEEDS[0])

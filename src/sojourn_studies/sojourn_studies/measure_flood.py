@@ -21,13 +21,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sojourn_bags.errors import UnreadableBagError
-from sojourn_bags.reading import read_bag
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos
-from sojourn_contract.bundles import bundle_of
+from sojourn_contract.bundles import bundle_of, padded
 from sojourn_contract.decoding import hearing
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.run_table import table_of
@@ -39,10 +37,8 @@ from sojourn_contract.values import DiagnosticArray, Odometry
 from sojourn_operator.desk import Desk
 from sojourn_studies.hostile_messages import spoiled, whole
 from sojourn_studies.memory_growth import Sample, told
-from sojourn_studies.probed_stack import START_S, ProbedStack, add_options
+from sojourn_studies.probed_stack import START_S, WAITING, ProbedStack, add_options, bag_of, probed
 
-WAITING = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
-"""What the operator of the stack does: all else that happens to it comes from elsewhere."""
 LISTEN_S, AFTER_S = 3.0, 60.0
 """Wall time for hearing what a run says, and after which it is held for dead after the flood [s]."""
 MOST_SAMPLES = 50
@@ -131,7 +127,7 @@ class Flood(Desk):
             for _ in range(BURST):
                 data = spoiled(self._random, samples, self.now)
                 if row.name == TRUTH:
-                    self._said.append(_padded(data))
+                    self._said.append(padded(data))
                 sender.publish(data)
         return BURST * len(self._rows)
 
@@ -155,7 +151,7 @@ class Flood(Desk):
         return len(stamps) == PERIODS_BACK and steps == {CONTROL_PERIOD_NS}
 
     def _hear(self, data: bytes) -> None:
-        if _padded(data) not in self._said:
+        if padded(data) not in self._said:
             self._read(data)
 
     def _hear_truth(self, message: Odometry) -> None:
@@ -168,11 +164,6 @@ class Flood(Desk):
         for beat in read_heartbeats(message):
             if beat.role in ROLES:
                 self._refused[beat.role] = sum(beat.refused.values())
-
-
-def _padded(data: bytes) -> bytes:
-    """The middleware fills up to four bytes."""
-    return data + bytes(-len(data) % 4)
 
 
 def rows_of_run(scenario: str, changes: Sequence[str], bundled: bool) -> list[Topic]:
@@ -197,10 +188,7 @@ def flood(stack: ProbedStack, desk: Flood, messages: int, rate: float) -> list[S
 
 def record(run_dir: Path) -> tuple[float, int]:
     """Size of the bag of a run [MB] and messages in it. Raises CommandError where it cannot be read."""
-    try:
-        bag = read_bag(run_dir)
-    except UnreadableBagError as error:
-        raise CommandError(f"the bag of the flooded run: {error}") from error
+    bag = bag_of("flooded", run_dir)
     return sum(file.stat().st_size for file in bag.parts) / 1e6, sum(len(one) for one in bag.topics.values())
 
 
@@ -209,7 +197,7 @@ def measure(given: argparse.Namespace, run_dir: Path) -> bool:
     layout = "processes" if given.processes else "composed"
     rows = rows_of_run(given.scenario, command_line.changes_of(given), given.processes and not given.realtime)
     with (
-        ProbedStack(given, f"--{layout}", WAITING, run_dir) as stack,
+        probed(given, f"--{layout}", WAITING, run_dir) as stack,
         Flood(given.domain, rows, given.seed) as desk,
     ):
         desk.wait_for_run(stack)

@@ -20,19 +20,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_bags.errors import UnreadableBagError
-from sojourn_bags.reading import read_bag
 from sojourn_bringup.process_table import ROLE_NAMES, process
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.stamps import seconds
-from sojourn_studies.probed_stack import ProbedStack, add_options
+from sojourn_studies.probed_stack import WAITING, ProbedStack, add_options, bag_of, probed
 
 SQUARE = "[{x: 5.0, y: 0.0}, {x: 5.0, y: 6.0}, {x: -5.0, y: 6.0}, {x: -5.0, y: -5.0}, {x: 5.0, y: -5.0}]"
 DRIVES = (f"steps=[{{drive_route: {{points: {SQUARE}}}, timeout_s: 1e5}}]", "duration_limit_s=1e5")
-WAITS = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
-"""What the run does meanwhile: in lock-step it drives; in real time it waits, as a goal is lost with the drive's death,
-and a run with its goal.
+"""What the run does meanwhile in lock-step. In real time it waits: a goal is lost with the drive, and a run with
+its goal.
 """
 SOONEST_S, LATEST_S = 0.5, 5.0
 """Wall time from the loop's first periods, or from when the last killed node ran again, to a kill."""
@@ -72,10 +69,7 @@ def held(bag: Path) -> tuple[float, float] | None:
 
     Raises CommandError where it cannot be read.
     """
-    try:
-        times = [at for messages in read_bag(bag).topics.values() for at in messages.log_times]
-    except UnreadableBagError as error:
-        raise CommandError(f"the bag of a killed run: {error}") from error
+    times = [at for messages in bag_of("killed", bag).topics.values() for at in messages.log_times]
     return (seconds(min(times)), seconds(max(times))) if times else None
 
 
@@ -94,7 +88,7 @@ def lacking_s(stack: ProbedStack) -> float:
 def one_run(given: argparse.Namespace, roles: Iterable[str], random: np.random.Generator, run_dir: Path) -> list[Kill]:
     """Kills of one run, the roles in turn; prints them, and what the bags lack. Raises CommandError."""
     kills, last = list[Kill](), dict[str, float]()
-    with ProbedStack(given, "--processes", WAITS if given.realtime else DRIVES, run_dir) as stack:
+    with probed(given, "--processes", WAITING if given.realtime else DRIVES, run_dir) as stack:
         for role in ROLE_NAMES:
             stack.wait_for(rf"^{role} \(process \d+\): running")
         for role in roles:

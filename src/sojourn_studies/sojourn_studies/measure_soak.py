@@ -13,11 +13,10 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from sojourn_bags.reading import read_bag
 from sojourn_bags.summary import summarise
 from sojourn_config import command_line
 from sojourn_studies.memory_growth import Sample, growth, told
-from sojourn_studies.probed_stack import ProbedStack, add_options
+from sojourn_studies.probed_stack import ProbedStack, add_options, bag_of, probed
 
 EVERY_S, WAIT_S, LEAP_S = 1800.0, 1700.0, 1200.0
 """From one drive to the next, of which it waits so long, and by how much the clock leaps then at most [s]."""
@@ -49,12 +48,12 @@ def soak(stack: ProbedStack) -> list[Sample]:
 
 def measure(given: argparse.Namespace, run_dir: Path) -> bool:
     """Measure and print; whether nothing was lost, every goal was met, and no process has grown."""
-    with ProbedStack(given, "--composed" if given.composed else "--processes", day(given.hours), run_dir) as stack:
+    with probed(given, "--composed" if given.composed else "--processes", day(given.hours), run_dir) as stack:
         samples = soak(stack)
         status = stack.wait()
     for line in told(samples):
         print(line)
-    summary = summarise(read_bag(run_dir))
+    summary = summarise(bag_of("soaked", run_dir))
     print(f"status {status}: {summary['verdict']}")
     grown = [growth([sample[name] for sample in samples if name in sample]) for name in samples[0]]
     return status == 0 and bool(summary["all_met"]) and not any(part > MOST_GROWTH for part in grown)

@@ -13,6 +13,8 @@ from typing import Self
 
 import psutil
 
+from sojourn_bags.errors import UnreadableBagError
+from sojourn_bags.reading import Bag, read_bag
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.ros_environment import own_environment, ros_variables
@@ -21,6 +23,8 @@ START_S, SILENCE_S = 600, 120
 """Wall time within which it has to run, and after which it ends where a node is silent [s]: a machine may be busy."""
 END_S = 120.0
 """Wall time that it has to end after SIGINT; its recorder finishes the bag within that."""
+WAITING = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
+"""Changes of a scenario whose operator does nothing: all that happens to its run comes from elsewhere."""
 LOOK_S = 0.005
 NODE = re.compile(r"^(\w+) \(process (\d+)\): ", re.MULTILINE)
 """What a stack says of a node begins so."""
@@ -32,21 +36,17 @@ class ProbedStack:
     """A stack in processes of its own. A context manager: it is ended with it.
 
     Args:
-        given: options of `add_options`. layout: option of scripts/start.py. changes: of the scenario, under those that
-            are given. run_dir: new folder of the run.
+        options: of scripts/start.py, the scenario among them. domain: of ROS. run_dir: new folder of the run.
 
     Attributes:
         run_dir: as given.
     """
 
-    def __init__(self, given: argparse.Namespace, layout: str, changes: Sequence[str], run_dir: Path) -> None:
-        self._command = [sys.executable, "-m", "sojourn_bringup.start", given.scenario, layout]
-        for change in (*changes, *command_line.changes_of(given)):
-            self._command += ["--set", change]
-        self._command += ["--domain", str(given.domain), "--run-dir", str(run_dir)]
+    def __init__(self, options: Sequence[str], domain: int, run_dir: Path) -> None:
+        self._command = [sys.executable, "-m", "sojourn_bringup.start", *options]
+        self._command += ["--domain", str(domain), "--run-dir", str(run_dir)]
         self._command += ["--start-timeout", str(START_S), "--lockstep-timeout", str(SILENCE_S)]
-        self._command += ["--realtime"] if given.realtime else []
-        self._domain, self.run_dir = given.domain, run_dir
+        self._domain, self.run_dir = domain, run_dir
         self._log = run_dir.with_suffix(".log")
 
     def __enter__(self) -> Self:
@@ -123,6 +123,26 @@ def add_options(parser: argparse.ArgumentParser, scenario: str = "flat_drive") -
     command_line.add_scenario(parser, scenario, "that is run")
     parser.add_argument("--realtime", action="store_true", help="paced by the wall clock, not in lock-step")
     parser.add_argument("--domain", type=command_line.domain, default=77, metavar="N", help="default: %(default)s")
+
+
+def probed(given: argparse.Namespace, layout: str, changes: Sequence[str], run_dir: Path) -> ProbedStack:
+    """The stack of `add_options`.
+
+    Args:
+        layout: option of scripts/start.py. changes: of the scenario, under those that are given.
+    """
+    options = [given.scenario, layout, *(["--realtime"] if given.realtime else [])]
+    for change in (*changes, *command_line.changes_of(given)):
+        options += ["--set", change]
+    return ProbedStack(options, given.domain, run_dir)
+
+
+def bag_of(run: str, path: Path) -> Bag:
+    """The bag at a path. run: what was done to it, in a word. Raises CommandError where it cannot be read."""
+    try:
+        return read_bag(path)
+    except UnreadableBagError as error:
+        raise CommandError(f"the bag of the {run} run: {error}") from error
 
 
 def _name(process: psutil.Process) -> str:
