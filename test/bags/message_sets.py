@@ -13,7 +13,7 @@ from synthetic import PERIOD, cdr
 from ros_messages import ros_message, ros_time
 from sojourn_bags.definitions import full_type
 from sojourn_bags.layout import layout_of
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.messages import CONTACT_FIELDS, battery_state, contact_cloud
 from sojourn_contract.topics import topic

@@ -22,7 +22,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from sojourn_bags.definitions import ChannelSpec, full_type, typestore
 from sojourn_bags.errors import UnknownTopicInBagError, UnreadableBagError
 from sojourn_bags.layout import layout_of
-from sojourn_bags.reading import Messages, bag_file, read_bag
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import bag_file, read_bag
 from sojourn_bags.writer import BagWriter
 from sojourn_contract.topics import TOPICS
 

@@ -24,7 +24,7 @@ from sojourn_bags.comparison import compare, until
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.layout import layout_of
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_contract.flow import topic_order
 from sojourn_contract.messages import CONTACT_FIELDS, contact_cloud
 from sojourn_contract.tolerance import rule_of, tolerance_of

@@ -8,7 +8,8 @@ from typing import Any, cast
 import numpy as np
 import yaml
 
-from sojourn_bags.description import CONFIGURATION_NAME, Run
+from sojourn_bags.definitions import CONFIGURATION_NAME
+from sojourn_bags.description import Run
 from sojourn_bags.reading import Bag
 from sojourn_config.scenario import load_scenario
 

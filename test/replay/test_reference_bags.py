@@ -15,7 +15,7 @@ import pytest
 from sojourn_bags.candidate import NodeCandidate
 from sojourn_bags.comparison_result import Comparison, FieldDifference, Verdict
 from sojourn_bags.comparison_words import comparison_lines
-from sojourn_bags.description import CONFIGURATION_NAME
+from sojourn_bags.definitions import CONFIGURATION_NAME
 from sojourn_bags.digest import digest
 from sojourn_bags.errors import OtherContractError
 from sojourn_bags.provenance import run_of

@@ -12,6 +12,7 @@ from sojourn_bags.page.page import write_page
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.report import write_report
 from sojourn_bags.summary import summarise
+from sojourn_bags.summary_reading import read_for_summary
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_stack import run as direct
@@ -38,6 +39,7 @@ def test_its_hand_reaches_places_in_space_although_the_base_gives_way(flown: Bag
     assert summary["base_turned_deg"] > 1.0 and summary["centre_of_mass_moved_m"] < 0.001
     assert summary["max_tilt_deg"] is None and summary["distance_m"] is None
     assert judge_bag(flown)[0].violations == 0
+    assert summarise(read_for_summary(flown.path)) == summary
     said = flown["/arm/status"].statuses()[-1]
     assert float(said["base_turned_deg"]) >= 0.0 and "corrections" in said
 

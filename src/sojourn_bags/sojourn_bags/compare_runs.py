@@ -13,7 +13,8 @@ from sojourn_bags.comparison_words import comparison_lines
 from sojourn_bags.contract_version import check_contract
 from sojourn_bags.cut_off import unless_cut_off
 from sojourn_bags.errors import BagsError
-from sojourn_bags.reading import Bag, Messages, read_bag
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import Bag, read_bag
 from sojourn_config.command_errors import UsageError
 
 

@@ -17,7 +17,7 @@ from sojourn_bags.comparison_match import MatchedMessages, match, stamps_of
 from sojourn_bags.comparison_result import Comparison, TopicComparison
 from sojourn_bags.comparison_tally import Tally
 from sojourn_bags.comparison_text import compare_statuses
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_contract.flow import place_of
 from sojourn_contract.stamps import seconds
 

@@ -10,7 +10,8 @@ from typing import Any
 
 from sojourn_bags.comparison import stamps_of
 from sojourn_bags.definitions import ChannelSpec, qos_entry
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import Bag
 from sojourn_bags.transforms import channel as transform_channel
 from sojourn_bags.writer import Attachment, BagWriter
 from sojourn_contract import qos

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sojourn_bags.comparison_tally import Tally
-from sojourn_bags.reading import LayoutGroup, Messages, points_of
+from sojourn_bags.messages import LayoutGroup, Messages, points_of
 from sojourn_contract.tolerance import is_angle, rule_of, tolerance_of
 
 _CLOUD = "sensor_msgs/msg/PointCloud2"

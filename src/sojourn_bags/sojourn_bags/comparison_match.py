@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_contract.run_table import row_named
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import TOPICS

@@ -7,7 +7,7 @@ from math import inf
 from typing import Any
 
 from sojourn_bags.comparison_tally import Tally
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_contract.tolerance import rule_of, text_difference, tolerance_of
 
 ABSENT = "(absent)"

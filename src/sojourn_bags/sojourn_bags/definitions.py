@@ -21,6 +21,8 @@ if TYPE_CHECKING:  # who reads a bag needs none of the ROS library
     from rclpy.qos import QoSProfile
 
 _NANOSECONDS = 1_000_000_000
+CONFIGURATION_NAME = "configuration.json"
+"""Name of the attachment that says how a run was configured: it stands before all messages."""
 RUN_RECORD = "sojourn_run"
 """Name of the metadata record that describes the run."""
 THINNED_RECORD = "sojourn_thinned"

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from sojourn_bags.definitions import CONFIGURATION_NAME
 from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
 from sojourn_bags.writer import Attachment
@@ -20,7 +21,6 @@ from sojourn_physics.terrain.generate import generate
 from sojourn_physics.terrain.height_field import HeightField
 from sojourn_physics.terrain.raster import Raster
 
-CONFIGURATION_NAME = "configuration.json"
 COMPOSED_NAME = "machine.urdf"
 """Of a machine whose arm has a URDF of its own: both in one, as they were used."""
 _MEDIA_TYPES = {".yaml": "application/yaml", ".urdf": "application/xml"}

@@ -29,6 +29,9 @@ NOT_ASKED = (UNJUDGED, EARLIER, REFUSED)
 GOOD = (DETECTED, *NOT_ASKED)
 BEATS = 3
 """Heartbeats after a fault by which whose it is has said what became of it: where a run is fast, messages come late."""
+REFUSALS = f"refused {TOPIC}"
+FAULT_TEXTS = ("name", "faults", REFUSALS, "last refusal")
+"""What is read of a heartbeat."""
 ROUNDING_S = 1e-6
 """Of stamps as numbers [s]."""
 
@@ -157,7 +160,7 @@ def _beats(bag: Bag) -> Mapping[str, Sequence[FaultsTold]]:
     if HEARTBEATS not in bag:
         return found
     for time, status in zip(bag[HEARTBEATS].times.tolist(), bag[HEARTBEATS].statuses(), strict=True):
-        there, refused = status.get("faults", "").split(", "), status.get(f"refused {TOPIC}", "0")
+        there, refused = status.get("faults", "").split(", "), status.get(REFUSALS, "0")
         told = FaultsTold(time, there, int(refused) if is_count(refused) else 0, status.get("last refusal", ""))
         found.setdefault(status.get("name", ""), []).append(told)
     return found

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from sojourn_bags.comparison_match import stamps_of
 from sojourn_bags.comparison_result import at
-from sojourn_bags.description import CONFIGURATION_NAME
+from sojourn_bags.definitions import CONFIGURATION_NAME
+from sojourn_bags.messages import Messages
 from sojourn_bags.provenance import VERSIONS_NAME
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.reading import Bag
 from sojourn_contract.flow import place_of
 
 _STATUSES = "diagnostic_msgs/msg/DiagnosticArray"

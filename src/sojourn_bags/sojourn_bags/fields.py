@@ -15,7 +15,8 @@ from sojourn_bags.curves import FloatArray
 from sojourn_bags.definitions import full_type
 from sojourn_bags.description import Run
 from sojourn_bags.errors import IncompleteConfigError, UnknownFieldError, UnknownTopicInBagError
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import Bag
 from sojourn_contract.run_table import row_named
 from sojourn_contract.switches import fraction_of
 from sojourn_contract.topic_types import FieldRule

@@ -21,6 +21,8 @@ DRIVE_TOPICS = ("/goal_pose", "/waypoints")
 ARM_TOPICS = ("/arm/goal_pose", "/arm/joint_goal", "/arm/joint_trajectory", "/arm/path", "/arm/task")
 VELOCITIES = {"/cmd_vel": "/drive/status", "/arm/cmd_vel": "/arm/status"}
 STATUS_OF = {**dict.fromkeys(DRIVE_TOPICS, "/drive/status"), **dict.fromkeys(ARM_TOPICS, "/arm/status")}
+STATUS_TEXTS = ("state", "goal_stamp", "reason")
+"""What is read of a status."""
 REACHED, UNDER_WAY = "reached", "moving"
 FINAL_STATES = (REACHED, "refused", "stopped", "failed")
 REPLACED, UNFINISHED = "replaced by the next goal", "not finished"
@@ -167,7 +169,7 @@ def goals_of_before(bag: Bag) -> list[SentGoal]:
 
 def _end_of_plan(bag: Bag) -> tuple[float, float, float] | None:
     """Last place of the first plan that has any, in odom [m]."""
-    plans = (bag["/plan"].decode(index) for index in range(len(bag["/plan"]))) if "/plan" in bag else ()
+    plans = (bag["/plan"].decode(index) for index in range(len(bag["/plan"].data))) if "/plan" in bag else ()
     first = next((plan for plan in plans if plan.poses), None)
     return None if first is None else _describe("/waypoints", first)[1]
 

@@ -12,8 +12,9 @@ from sojourn_bags.comparison import stamps_of
 from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.cut_off import check_recorded
 from sojourn_bags.errors import ReplayError
+from sojourn_bags.messages import Messages
 from sojourn_bags.provenance import run_of
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.reading import Bag
 from sojourn_bags.replay_script import HEARTBEATS, ReplayPeriod, ReplayScript, own_heartbeats
 from sojourn_bags.role_beats import beats_of
 from sojourn_contract.arrival import check_input

@@ -10,8 +10,9 @@ from sojourn_bags.contract_version import check_own_contract, table_of_bag
 from sojourn_bags.definitions import RUN_RECORD, THINNED_RECORD
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError, IncompleteConfigError, UnreadableMessageError
+from sojourn_bags.messages import Messages
 from sojourn_bags.onset import RESUMED
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.reading import Bag
 from sojourn_bags.thinning import roles_of
 from sojourn_bags.transforms import TOPIC as TRANSFORMS
 from sojourn_config.errors import ConfigError

@@ -8,15 +8,16 @@ from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
 
 FloatArray = NDArray[np.float64]
-_POSE = [f"pose.pose.{part}" for part in (
+POSE = tuple(f"pose.pose.{part}" for part in (
     "position.x", "position.y", "position.z",
     "orientation.x", "orientation.y", "orientation.z", "orientation.w",
-)]  # fmt: skip
+))  # fmt: skip
+"""Of an Odometry."""
 
 
 def poses_of(bag: Bag, topic: str) -> FloatArray:
     """Poses of an Odometry topic: shape (n, 7), x y z [m] and quaternion x y z w."""
-    return bag[topic].columns(*_POSE)
+    return bag[topic].columns(*POSE)
 
 
 def rotate(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
@@ -109,6 +110,15 @@ class TrueMachine:
                 found[known, joint.idx_q] = np.cos(angles[known])
                 found[known, joint.idx_q + 1] = np.sin(angles[known])
         return found
+
+
+def joints_to(urdf: str, link: str) -> tuple[str, ...]:
+    """Joints between base_link and a link. Raises IncompleteConfigError if the URDF has no such link."""
+    model = pinocchio.buildModelFromXML(urdf)
+    if not model.existFrame(link):
+        raise IncompleteConfigError(f"the machine has no link {link!r}")
+    joint = model.frames[model.getFrameId(link)].parentJoint
+    return tuple(model.names[number] for number in model.supports[joint] if number)
 
 
 def _rows_at(times: FloatArray, wanted: FloatArray) -> NDArray[np.int64]:

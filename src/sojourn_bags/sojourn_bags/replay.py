@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from sojourn_bags.candidate import Candidate
 from sojourn_bags.comparison import compare, stamps_of
 from sojourn_bags.comparison_result import Comparison
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import Bag
 from sojourn_bags.replay_choices import PREFIX
 from sojourn_bags.replay_harness import Listener, ReplayHarness, ReplaySettings
 from sojourn_bags.replay_script import ReplayScript, script_of

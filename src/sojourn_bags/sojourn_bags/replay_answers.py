@@ -10,7 +10,7 @@ silent.
 from collections.abc import Mapping, Sequence
 
 from sojourn_bags.definitions import full_type
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topics import STANDARD

@@ -19,7 +19,7 @@ from sojourn_bags.candidate import Candidate
 from sojourn_bags.comparison import stamps_of
 from sojourn_bags.completeness import OUTSIDE_THE_RECORD
 from sojourn_bags.errors import UnansweredError
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_bags.replay_answers import Answers
 from sojourn_bags.replay_choices import DEFAULT_TIMEOUT_S
 from sojourn_bags.replay_script import HEARTBEATS, ReplayPeriod, Script

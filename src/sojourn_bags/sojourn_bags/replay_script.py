@@ -15,9 +15,10 @@ from sojourn_bags.completeness import due_by
 from sojourn_bags.contract_version import check_contract, table_of_bag
 from sojourn_bags.cut_off import check_recorded
 from sojourn_bags.errors import ReplayError
+from sojourn_bags.messages import Messages
 from sojourn_bags.onset import RESUMED
 from sojourn_bags.provenance import run_of
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.reading import Bag
 from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_contract.barrier import awaited_inputs
 from sojourn_contract.errors import RefusedMessageError

@@ -14,7 +14,8 @@ from sojourn_bags.curves import COLORS, means, short_name, thinned
 from sojourn_bags.description import Run
 from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.machine import FloatArray, TrueMachine, euler_angles, poses_of
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import Bag
 from sojourn_bags.report_afloat import draw_base
 from sojourn_bags.report_arm import draw_standing_arm
 from sojourn_bags.report_map import draw_map

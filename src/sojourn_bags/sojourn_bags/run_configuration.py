@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from sojourn_bags.description import CONFIGURATION_NAME, Run
+from sojourn_bags.definitions import CONFIGURATION_NAME
+from sojourn_bags.description import Run
 from sojourn_bags.errors import IncompleteConfigError
 from sojourn_bags.reading import Bag
 from sojourn_config.errors import ConfigError

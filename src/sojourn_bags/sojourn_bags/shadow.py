@@ -17,7 +17,7 @@ from sojourn_bags.comparison import compare, stamps_of
 from sojourn_bags.comparison_result import Comparison, Divergence
 from sojourn_bags.definitions import typestore
 from sojourn_bags.errors import UnansweredError
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_bags.replay_harness import DRAIN_S, POLL_S, ReplayHarness, ReplaySettings
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, ReplayPeriod
 from sojourn_bags.shadow_tap import Tap

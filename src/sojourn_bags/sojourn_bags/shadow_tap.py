@@ -15,7 +15,7 @@ from rclpy.qos import QoSProfile
 
 from sojourn_bags.definitions import full_type
 from sojourn_bags.errors import UnansweredError
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, ReplayPeriod
 from sojourn_bags.role_beats import beats_of
 from sojourn_contract import qos, stamps

@@ -22,10 +22,10 @@ def last_words(plan: RunPlan, outcome: Outcome) -> Iterator[str]:
 
 def _verdict(plan: RunPlan, outcome: Outcome) -> str:
     from sojourn_bags.errors import BagsError  # not above: what reads bags is not wanted before the end
-    from sojourn_bags.reading import read_bag
     from sojourn_bags.summary import summarise
+    from sojourn_bags.summary_reading import read_for_summary
 
     try:
-        return str(summarise(read_bag(plan.bag()), wall_time_s=outcome.wall_time_s or None)["verdict"])
+        return str(summarise(read_for_summary(plan.bag()), wall_time_s=outcome.wall_time_s or None)["verdict"])
     except BagsError as error:
         return f"none: {error}"

@@ -14,7 +14,8 @@ import numpy as np
 from sojourn_bags.definitions import full_type
 from sojourn_bags.errors import BagsError, UnknownFieldError
 from sojourn_bags.fields import names, series
-from sojourn_bags.reading import Bag, Messages
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import Bag
 from sojourn_console.errors import GoalError
 from sojourn_console.feed import FeedMessage
 from sojourn_contract.topic_table import TopicTable

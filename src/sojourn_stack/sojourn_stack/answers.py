@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from sojourn_bags.definitions import full_type
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_bags.replay_script import HEARTBEATS, ReplayScript
 from sojourn_contract.codecs import encode
 from sojourn_contract.topic_types import Topic

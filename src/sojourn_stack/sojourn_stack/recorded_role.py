@@ -6,7 +6,7 @@ from typing import Any
 
 from sojourn_bags.comparison import stamps_of
 from sojourn_bags.errors import ReplayError
-from sojourn_bags.reading import Messages
+from sojourn_bags.messages import Messages
 from sojourn_bags.replay_script import announced_in, ticks_of
 from sojourn_contract.app import Answer, App, Period
 from sojourn_contract.codecs import decode

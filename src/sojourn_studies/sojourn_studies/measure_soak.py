@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sojourn_bags.summary import summarise
+from sojourn_bags.summary_reading import read_for_summary
 from sojourn_config import command_line
 from sojourn_studies.memory_growth import Sample, growth, told
 from sojourn_studies.probed_stack import ProbedStack, add_options, bag_of, probed
@@ -53,7 +54,7 @@ def measure(given: argparse.Namespace, run_dir: Path) -> bool:
         status = stack.wait()
     for line in told(samples):
         print(line)
-    summary = summarise(bag_of("soaked", run_dir))
+    summary = summarise(bag_of("soaked", run_dir, read_for_summary))
     print(f"status {status}: {summary['verdict']}")
     grown = [growth([sample[name] for sample in samples if name in sample]) for name in samples[0]]
     return status == 0 and bool(summary["all_met"]) and not any(part > MOST_GROWTH for part in grown)

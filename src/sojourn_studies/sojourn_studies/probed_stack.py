@@ -7,13 +7,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Self
 
 import psutil
 
-from sojourn_bags.errors import UnreadableBagError
+from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
@@ -137,11 +137,11 @@ def probed(given: argparse.Namespace, layout: str, changes: Sequence[str], run_d
     return ProbedStack(options, given.domain, run_dir)
 
 
-def bag_of(run: str, path: Path) -> Bag:
+def bag_of(run: str, path: Path, read: Callable[[Path], Bag] = read_bag) -> Bag:
     """The bag at a path. run: what was done to it, in a word. Raises CommandError where it cannot be read."""
     try:
-        return read_bag(path)
-    except UnreadableBagError as error:
+        return read(path)
+    except BagsError as error:
         raise CommandError(f"the bag of the {run} run: {error}") from error
 
 

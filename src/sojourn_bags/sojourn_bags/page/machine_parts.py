@@ -6,11 +6,11 @@ import numpy as np
 
 from sojourn_bags.curves import COLORS, FloatArray, short_name
 from sojourn_bags.goals import ARM_TOPICS
+from sojourn_bags.messages import JointHistory, Messages
 from sojourn_bags.page.chart import ChartLine, Span, chart, strips, wheel_curves
 from sojourn_bags.page.html import PageSection, figure, paragraph
 from sojourn_bags.page.story import BATTERY, JOINTS, STATUS, Story
 from sojourn_bags.page.wrist import wrist_figures
-from sojourn_bags.reading import JointHistory, Messages
 from sojourn_contract.switches import fraction_of
 
 ON, PART, OFF = "#56b4e9", "#e69f00", "#333333"

@@ -4,10 +4,10 @@ import numpy as np
 
 from sojourn_bags.curves import COLORS, FloatArray
 from sojourn_bags.machine import euler_angles
+from sojourn_bags.messages import Messages
 from sojourn_bags.page.chart import ChartLine, chart, wheel_curves
 from sojourn_bags.page.html import PageSection, figure, paragraph
 from sojourn_bags.page.story import CLOUD, IMU, JOINTS, POSE, Story
-from sojourn_bags.reading import Messages
 from sojourn_bags.true_slip import WHERE_IT_STANDS, true_slip
 
 MER_CLASS_DEG = 45.0

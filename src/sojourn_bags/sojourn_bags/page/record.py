@@ -8,8 +8,7 @@ import numpy as np
 
 from sojourn_bags.completeness import RECORD
 from sojourn_bags.contract_version import table_of_bag
-from sojourn_bags.definitions import RECOVERY_RECORD, RUN_RECORD
-from sojourn_bags.description import CONFIGURATION_NAME
+from sojourn_bags.definitions import CONFIGURATION_NAME, RECOVERY_RECORD, RUN_RECORD
 from sojourn_bags.page.chart import Span, strips
 from sojourn_bags.page.html import PageSection, figure, paragraph, table
 from sojourn_bags.page.story import ARM_SHADE, STATUS, Story

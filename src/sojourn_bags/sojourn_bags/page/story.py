@@ -13,8 +13,9 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.goals import ARM_TOPICS
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.machine import TrueMachine
+from sojourn_bags.messages import JointHistory, Messages
 from sojourn_bags.page.chart import Span, TimeAxis
-from sojourn_bags.reading import Bag, JointHistory, Messages
+from sojourn_bags.reading import Bag
 from sojourn_bags.summary import summarise
 from sojourn_contract.conformance.findings import Report
 
