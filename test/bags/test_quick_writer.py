@@ -3,8 +3,10 @@
 import gc
 import io
 import struct
+import tracemalloc
 import weakref
 from collections.abc import Sequence
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -82,6 +84,31 @@ def test_a_writer_that_is_done_is_gone_at_once() -> None:
         assert lives() is None
     finally:
         gc.enable()
+
+
+def test_a_file_that_grows_leaves_little_in_memory() -> None:
+    """A recorder's index of a file of a gigabyte took megabytes: of each chunk, where each channel's messages stand."""
+    channels, chunks = 40, 200
+
+    class Sink(io.BytesIO):
+        def write(self, data: Any) -> int:
+            return len(data)
+
+    def held(kind: type[Writer]) -> int:
+        writer = kind(Sink(), compression=CompressionType.NONE)
+        writer.start("ros2", "test")
+        schema = writer.register_schema("type", "ros2msg", b"float64 x")
+        ids = [writer.register_channel(f"/topic_{number}", "cdr", schema, {}) for number in range(channels)]
+        tracemalloc.start()
+        for chunk in range(chunks):
+            for channel in ids:
+                writer.add_message(channel, 10**9 + chunk, b"some bytes", 10**9 + chunk)
+            writer.flush()
+        found = tracemalloc.get_traced_memory()[0]
+        tracemalloc.stop()
+        return found
+
+    assert held(QuickWriter) < 0.35 * held(Writer)
 
 
 def test_messages_are_read_back() -> None:

@@ -10,7 +10,7 @@ Source: MCAP specification (mcap.dev/spec), records Message (op 0x05) and Messag
 import struct
 import zlib
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import zstandard
 from mcap._chunk_builder import ChunkBuilder
@@ -40,6 +40,7 @@ class QuickWriter(Writer):
         self._chunk, self._statistics = private["_Writer__chunk_builder"], private["_Writer__statistics"]
         self._chunk_size = private["_Writer__chunk_size"]
         self._packs = private["_Writer__compression"] is CompressionType.ZSTD
+        private["_Writer__chunk_indices"] = _PackedIndices()
         self._packer = ThreadPoolExecutor(1, "packer")
         self._full: tuple[ChunkBuilder, bytes, Future[tuple[bytes, int]]] | None = None
         """A chunk that is being packed: what is known of it, its content, that content packed and its checksum."""
@@ -127,6 +128,23 @@ class QuickWriter(Writer):
 def _packed(data: bytes) -> tuple[bytes, int]:
     """As the library packs a chunk, and its checksum."""
     return zstandard.compress(data), zlib.crc32(data)
+
+
+class _PackedIndices(list["_PackedIndex"]):
+    """Of the chunks of a file, for its end: as they will be written, in a quarter of the memory that their numbers take."""
+
+    def append(self, index: ChunkIndex) -> None:  # type: ignore[override]
+        """Keep a chunk's."""
+        builder = RecordBuilder()
+        index.write(builder)
+        super().append(_PackedIndex(builder.end()))
+
+
+class _PackedIndex(NamedTuple):
+    record: bytes
+
+    def write(self, stream: RecordBuilder) -> None:
+        stream.write(self.record)
 
 
 class _QuickIndex(MessageIndex):
