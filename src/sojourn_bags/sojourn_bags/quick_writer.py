@@ -131,7 +131,7 @@ def _packed(data: bytes) -> tuple[bytes, int]:
 
 
 class _PackedIndices(list["_PackedIndex"]):
-    """Of the chunks of a file, for its end: as they will be written, in a quarter of the memory that their numbers take."""
+    """Of the chunks of a file, for its end: as they will be written, in a quarter of the memory of their numbers."""
 
     def append(self, index: ChunkIndex) -> None:  # type: ignore[override]
         """Keep a chunk's."""
