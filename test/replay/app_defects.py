@@ -245,6 +245,15 @@ def a_dead_motor_is_not_noticed(app: Any, patch: Patch) -> None:
     patch.setattr(sojourn_flight.mobility.rolling, "watch_motors", lambda *given: given[3])
 
 
+@defect("steered", "drive", "/odom.twist.twist.linear.x")
+def tilting_is_taken_for_the_bias_of_the_gyros(app: Any, patch: Patch) -> None:
+    rolling = sojourn_flight.mobility.rolling
+    estimate, unfelt = rolling.estimate_slip, np.zeros((2, 2))
+    patch.setattr(
+        rolling, "estimate_slip", lambda model, state, *now: estimate(model, state._replace(tilting=unfelt), *now)
+    )
+
+
 @defect("lrv", "drive", "/drive_command.position")
 def a_path_is_followed_from_twice_as_near(app: Any, patch: Patch) -> None:
     change_params(app, patch, "follower.lateral_length", lambda length: 0.5 * length)

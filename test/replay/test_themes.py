@@ -2,6 +2,7 @@
 
 import zlib
 
+import numpy as np
 import pytest
 from theme_bags import app_and_bag, bag_of
 
@@ -11,17 +12,20 @@ from sojourn_bags.digest import digest
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.thinning import roles_of
 from sojourn_bringup.record_reference import DIGEST
-from sojourn_bringup.references import THEMES, ReferenceBag, references_folder
+from sojourn_bringup.references import REFERENCES, THEMES, ReferenceBag, references_folder
+from sojourn_contract.tolerance import rule_of
 from sojourn_stack.replay import replay
 
 RENEW = "if this is meant, renew the bags: scripts/record_reference"
 MOST_BYTES = 10_000_000
-"""Of all theme bags, as git packs them: some 0.3 MB for each of 34 machines, tasks and faults. A third is what the
+"""Of all theme bags, as git packs them: some 0.3 MB for each of 35 machines, tasks and faults. A third is what the
 machine measures at 50 Hz, which no role can be replayed without."""
 PLACE, JUMP = "/initialpose", "the change of pose"
 """An operator's word moves the estimate at once, which no velocity explains."""
 SILENCED = "themes/restarts"
 """Its drive does not hear, or hears late, what moves it: its odometry stands still and leaps."""
+GIVEN = {"/waypoints", "/arm/path", "/arm/joint_trajectory"}
+"""What is commanded, by somebody outside: it is not computed."""
 NAMES = [theme.name for theme in THEMES]
 CASES = [(theme.name, role) for theme in THEMES for role in theme.roles]
 
@@ -53,3 +57,19 @@ def test_all_are_small_and_each_has_its_scenario() -> None:
     packed = [zlib.compress(file.read_bytes()) for file in folder.rglob("*") if file.is_file()]
     assert sum(map(len, packed)) < MOST_BYTES
     assert {f"themes/{file.stem}" for file in folder.glob("*.yaml")} == set(NAMES)
+
+
+@pytest.mark.parametrize("name", [*NAMES, REFERENCES[0].name])
+def test_every_number_that_is_computed_has_a_tolerance(name: str) -> None:
+    """One that has none must be equal to the last bit, and another processor's may not be: the attitudes of a plan
+    were.
+    """
+    bag, without = bag_of(name), set()
+    for topic in bag.topics.keys() - GIVEN:
+        for group in bag[topic].groups:
+            for path, number in group.layout.numbers.items():
+                if number.dtype.kind == "f" and rule_of(topic, path) is None:
+                    values = group.layout.column(group.rows, path)
+                    changes = (values != values[:1]) & np.isfinite(values) & np.isfinite(values[:1])
+                    without |= {f"{topic}.{path}"} if changes.any() else set()
+    assert not without

@@ -50,7 +50,7 @@ def test_a_stack_that_ends_is_said_with_its_last_words(tmp_path: Path) -> None:
     parser = argparse.ArgumentParser()
     add_options(parser)
     given = parser.parse_args(["--set", "nonsense=1"])
-    with probed(given, "--composed", (), tmp_path / "run") as stack:
+    with probed(given, ["--composed"], (), tmp_path / "run") as stack:
         assert str(os.getpid()) not in str(stack.memory_mb())
         with pytest.raises(CommandError, match=r"^the stack has ended: .*nonsense"):
             stack.wait_for(": running")

@@ -22,7 +22,7 @@ from sojourn_contract.link_topics import CANCEL, EARTH, LINK_STATUS, linked, on_
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
 from sojourn_contract.stereo_pair import heard_by_drive
 from sojourn_contract.topic_table import TopicTable, of_thing
-from sojourn_contract.topic_types import Topic
+from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.topics import STANDARD
 from sojourn_machine.chance import stream_of
 from sojourn_machine.sensor_choice import SENSORS, SensorParams
@@ -36,8 +36,10 @@ TICK = "/operator/tick"
 """For which waits whoever acts on what an operator says, so that it takes effect at the same period in every run."""
 _AT_TIMES = {row.name: row for row in (LINK_STATUS, CANCEL, CHECKPOINT)}
 """Rows that a run has with a link to Earth, or where it keeps checkpoints."""
-RECORDED_BESIDES = ("/tf",)
-"""Topics that the recorder adds; no row is about them."""
+RECORDED_BESIDES = {
+    "/tf": (FieldRule("transforms.transform.translation", "m"), FieldRule("transforms.transform.rotation", ""))
+}
+"""Topics that the recorder adds, and the rules of their fields; no row is about them."""
 
 
 def table_of(scenario: KnownMachine) -> TopicTable:

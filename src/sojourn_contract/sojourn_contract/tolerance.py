@@ -10,7 +10,7 @@ import re
 from decimal import Decimal, InvalidOperation
 from functools import cache
 
-from sojourn_contract.run_table import row_named
+from sojourn_contract.run_table import RECORDED_BESIDES, row_named
 from sojourn_contract.topic_types import FieldRule
 
 LARGEST_STEP = 1e-3
@@ -28,7 +28,7 @@ def rule_of(topic: str, path: str) -> FieldRule | None:
     """
     plain = _INDEX.sub("", path)
     row = row_named(topic)
-    for rule in () if row is None else row.fields:
+    for rule in RECORDED_BESIDES.get(topic, ()) if row is None else row.fields:
         if any(plain == name or plain.startswith(name + ".") for name in rule.path.split()):
             return rule
     return None

@@ -183,6 +183,10 @@ TOPICS: tuple[Topic, ...] = (
                 optional=True,
             ),
             FieldRule("linear_acceleration", "m/s^2", frame="imu_link", low=-500.0, high=500.0, optional=True),
+            *(
+                FieldRule(f"{measured}_covariance", "", tolerance=1e-15, optional=True)
+                for measured in ("orientation", "angular_velocity", "linear_acceleration")
+            ),
         ),
         frames=("imu_link",),
         each="imu",
@@ -282,7 +286,10 @@ TOPICS: tuple[Topic, ...] = (
         50,
         3.0,
         "poses of base_link along what is left of the way to the goal; none without a goal",
-        (FieldRule("poses.pose.position", "m", frame="odom", low=-1e5, high=1e5),),
+        (
+            FieldRule("poses.pose.position", "m", frame="odom", low=-1e5, high=1e5),
+            FieldRule("poses.pose.orientation", "", frame="odom", low=-1.0, high=1.0),
+        ),
         frames=("odom",),
     ),
     Topic(

@@ -197,7 +197,7 @@ def measure(given: argparse.Namespace, run_dir: Path) -> bool:
     layout = "processes" if given.processes else "composed"
     rows = rows_of_run(given.scenario, command_line.changes_of(given), given.processes and not given.realtime)
     with (
-        probed(given, f"--{layout}", WAITING, run_dir) as stack,
+        probed(given, [f"--{layout}"], WAITING, run_dir) as stack,
         Flood(given.domain, rows, given.seed) as desk,
     ):
         desk.wait_for_run(stack)

@@ -24,7 +24,7 @@ from sojourn_bringup.process_table import ROLE_NAMES, process
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.stamps import seconds
-from sojourn_studies.probed_stack import WAITING, ProbedStack, add_options, bag_of, probed
+from sojourn_studies.probed_stack import ENDED, WAITING, ProbedStack, add_options, bag_of, probed
 
 SQUARE = "[{x: 5.0, y: 0.0}, {x: 5.0, y: 6.0}, {x: -5.0, y: 6.0}, {x: -5.0, y: -5.0}, {x: 5.0, y: -5.0}]"
 DRIVES = (f"steps=[{{drive_route: {{points: {SQUARE}}}, timeout_s: 1e5}}]", "duration_limit_s=1e5")
@@ -37,7 +37,6 @@ SPARED_S = 11.0
 """Wall time between two kills of one role: who dies more than three times in half a minute is not started again."""
 NOTICED_S, LOST_S = 1.0, 1.0
 """That a kill may take to be noticed, and that the bags may lack [s of wall time]."""
-ENDED = re.compile(r" after ([0-9.]+) s of simulation, ([0-9.]+) s of wall time$", re.MULTILINE)
 
 
 class Kill(NamedTuple):
@@ -88,7 +87,7 @@ def lacking_s(stack: ProbedStack) -> float:
 def one_run(given: argparse.Namespace, roles: Iterable[str], random: np.random.Generator, run_dir: Path) -> list[Kill]:
     """Kills of one run, the roles in turn; prints them, and what the bags lack. Raises CommandError."""
     kills, last = list[Kill](), dict[str, float]()
-    with probed(given, "--processes", WAITING if given.realtime else DRIVES, run_dir) as stack:
+    with probed(given, ["--processes"], WAITING if given.realtime else DRIVES, run_dir) as stack:
         for role in ROLE_NAMES:
             stack.wait_for(rf"^{role} \(process \d+\): running")
         for role in roles:

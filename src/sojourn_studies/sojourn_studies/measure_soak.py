@@ -49,7 +49,7 @@ def soak(stack: ProbedStack) -> list[Sample]:
 
 def measure(given: argparse.Namespace, run_dir: Path) -> bool:
     """Measure and print; whether nothing was lost, every goal was met, and no process has grown."""
-    with probed(given, "--composed" if given.composed else "--processes", day(given.hours), run_dir) as stack:
+    with probed(given, ["--composed" if given.composed else "--processes"], day(given.hours), run_dir) as stack:
         samples = soak(stack)
         status = stack.wait()
     for line in told(samples):

@@ -28,6 +28,8 @@ WAITING = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
 LOOK_S = 0.005
 NODE = re.compile(r"^(\w+) \(process (\d+)\): ", re.MULTILINE)
 """What a stack says of a node begins so."""
+ENDED = re.compile(r" after ([0-9.]+) s of simulation, ([0-9.]+) s of wall time$", re.MULTILINE)
+"""Its last words: how much it has simulated, and how long that took."""
 TITLE = "sojourn_"
 """Beginning of what nodes call themselves, before their role."""
 
@@ -125,13 +127,13 @@ def add_options(parser: argparse.ArgumentParser, scenario: str = "flat_drive") -
     parser.add_argument("--domain", type=command_line.domain, default=77, metavar="N", help="default: %(default)s")
 
 
-def probed(given: argparse.Namespace, layout: str, changes: Sequence[str], run_dir: Path) -> ProbedStack:
+def probed(given: argparse.Namespace, layout: Sequence[str], changes: Sequence[str], run_dir: Path) -> ProbedStack:
     """The stack of `add_options`.
 
     Args:
-        layout: option of scripts/start.py. changes: of the scenario, under those that are given.
+        layout: options of scripts/start.py. changes: of the scenario, under those that are given.
     """
-    options = [given.scenario, layout, *(["--realtime"] if given.realtime else [])]
+    options = [given.scenario, *layout, *(["--realtime"] if given.realtime else [])]
     for change in (*changes, *command_line.changes_of(given)):
         options += ["--set", change]
     return ProbedStack(options, given.domain, run_dir)
