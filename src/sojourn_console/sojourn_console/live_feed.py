@@ -1,7 +1,8 @@
 """A running stack heard over its topics, and spoken to over those of the operator.
 
 The console is one more listener: no role waits for it, and what it does not look at it does not hear. It hears /clock
-alone until the run goes, because nodes that wait for their listeners must not count this one among them.
+alone until the run goes, because nodes that wait for their listeners must not count this one among them. What it wants
+in full it hears reliably, all else as an onlooker, to whom a fast run does not say everything.
 
 All of the ROS library is used by one thread, which others ask by a queue.
 """
@@ -165,20 +166,18 @@ class LiveFeed:
     def _listen_as_wanted(self) -> None:
         if not self.is_heard:
             return
-        for name in set(self._readers) - self._looked_at - {CLOCK}:
-            self._node.destroy_subscription(self._readers.pop(name))
-            self._waiting.pop(name, None)
+        for name in set(self._readers) - {CLOCK}:
+            if name not in self._looked_at or (name in self._in_full) != (self._waiting[name].maxlen == MOST_WAITING):
+                self._node.destroy_subscription(self._readers.pop(name))
+        for name in self._waiting.keys() - self._looked_at - {CLOCK}:
+            del self._waiting[name]
         for name in self._looked_at - self._readers.keys():
             row = self._table.get(name)
             if row is not None:
                 self._listen(row, name in self._in_full)
-        for name, waiting in self._waiting.items():
-            most = MOST_WAITING if name in self._in_full else 1
-            if waiting.maxlen != most:
-                self._waiting[name] = deque(waiting, most)
 
     def _listen(self, row: Topic, in_full: bool) -> None:
-        self._waiting[row.name] = deque(maxlen=MOST_WAITING if in_full else 1)
+        self._waiting[row.name] = deque(self._waiting.get(row.name, ()), MOST_WAITING if in_full else 1)
         waiting, name = self._waiting, row.name
 
         def hear(data: bytes) -> None:
@@ -189,7 +188,7 @@ class LiveFeed:
                 if not self.now:
                     self.now = 1
 
-        profile = qos.profile(row, lockstep=name != CLOCK)
+        profile = qos.profile(row, lockstep=True) if in_full else qos.looking(row)
         kind = message_class(row.type)
         self._readers[name] = self._node.create_subscription(kind, name.lstrip("/"), hear, profile, raw=True)
 

@@ -9,6 +9,7 @@ from sojourn_contract import qos
 from sojourn_contract.bundles import Bundles, is_for
 from sojourn_contract.codecs import encode
 from sojourn_contract.neighbours import Neighbours, are_near
+from sojourn_contract.onlookers import Onlookers
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
@@ -47,6 +48,7 @@ class Endpoints:
         self._neighbours: Neighbours | None = None
         self._near: Collection[str] = ()
         self._unheard: Collection[str] = ()
+        self._onlookers = Onlookers(node, {name: self.senders[name] for name in self._may_rest()})
         self._on_demand = [name for name, row in self.outputs.items() if row.on_demand]
 
     def join(self, neighbours: Neighbours, roles: Collection[str]) -> list[str]:
@@ -68,6 +70,7 @@ class Endpoints:
                 for name, sender in self.senders.items()
                 if not sender.get_subscription_count() and not self._listeners(self.outputs[name])
             }
+            self._onlookers.look()
 
     def send(self, topic: str, message: Message) -> None:
         """To the neighbours, to companions in the bundle, and on its topic to all others who listen."""
@@ -76,11 +79,12 @@ class Endpoints:
             self._node.words.hear(row, message)
         if self._neighbours is not None:
             self._neighbours.say(row, message)
-            if topic in self._unheard:
-                return
+        is_silent = topic in self._unheard or self._onlookers.rests(topic)
+        if self._neighbours is not None and is_silent:
+            return
         data, sender = encode(row, message), self.senders[topic]
         if self.bundles.carries(row, message):
-            self.bundles.say(row, data, None if topic in self._unheard else sender)
+            self.bundles.say(row, data, None if is_silent else sender)
         else:
             sender.publish(data)
 
@@ -101,6 +105,12 @@ class Endpoints:
             if sender.get_subscription_count() < len(listeners):
                 missing.append(f"{name} is not heard by all of {', '.join(listeners)}")
         return missing
+
+    def _may_rest(self) -> list[str]:
+        """Topics of which not every message has to be said to somebody who only looks on."""
+        if not self._node.lockstep:
+            return []
+        return [name for name, row in self.outputs.items() if not row.is_event and row.publisher != "all"]
 
     def _listeners(self, row: Topic) -> list[str]:
         """Roles that hear a row on its topic. Heartbeats and goals all do."""

@@ -38,3 +38,10 @@ def profile(row: Topic, lockstep: bool, role: str = "") -> "QoSProfile":
         depth=RECORDER_DEPTH if role == "recorder" else depth(row, lockstep),
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
     )
+
+
+def looking(row: Topic) -> "QoSProfile":
+    """Profile of one who looks at a row and needs no more of it than a picture shows: best effort, the newest alone."""
+    from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+    return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

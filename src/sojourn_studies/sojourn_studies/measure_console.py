@@ -26,7 +26,7 @@ from sojourn_studies.probed_stack import ENDED, START_S, ProbedStack, add_option
 
 ADDRESS = re.compile(r"http://(127\.0\.0\.1:\d+/[\w-]+/)")
 MOST_SLOWER = 0.05
-PART_S = 60.0
+PART_S = 180.0
 """Of each run, in simulation [s]."""
 
 
