@@ -21,8 +21,9 @@ class Graph:
         self.listeners: list[Any] = []
         self.asked = 0
 
-    def get_subscription_count(self) -> int:
-        return len(self.listeners)
+    @property
+    def counts(self) -> dict[str, int]:
+        return {"contacts": len(self.listeners)}
 
     def get_subscriptions_info_by_topic(self, name: str) -> list[Any]:
         assert name == self.topic_name
@@ -52,7 +53,7 @@ def said(graph: Graph, clock: list[float], seconds: float) -> int:
     count = 0
     for _ in range(round(seconds * 1000.0)):
         clock[0] += 1e-3
-        watch.look()
+        watch.look(graph.counts)
         count += not watch.rests("contacts")
     return count
 
@@ -76,11 +77,11 @@ def test_who_begins_to_listen_in_an_onlookers_place_is_seen(clock: list[float]) 
     graph = Graph()
     graph.listeners = [LOOKS]
     watch = Onlookers(graph, {"contacts": graph})
-    watch.look()
+    watch.look(graph.counts)
     assert [watch.rests("contacts") for _ in range(2)] == [False, True]
     graph.listeners = [LISTENS]
     clock[0] += 1.01 * ASK_S
-    watch.look()
+    watch.look(graph.counts)
     assert [watch.rests("contacts") for _ in range(2)] == [False, False]
     assert not watch.rests("another"), "of a topic that is no periodic one of this node nothing is left out"
 

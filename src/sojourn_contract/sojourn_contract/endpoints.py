@@ -63,14 +63,13 @@ class Endpoints:
         """See which topics nobody hears but neighbours and companions, who hear them otherwise; those are not sent.
         And of those on demand which somebody hears.
         """
-        self.wanted = frozenset(name for name in self._on_demand if self.senders[name].get_subscription_count())
+        counts = {name: sender.get_subscription_count() for name, sender in self.senders.items()}
+        self.wanted = frozenset(name for name in self._on_demand if counts[name])
         if self._neighbours is not None or self.bundles.listeners:
             self._unheard = {
-                name
-                for name, sender in self.senders.items()
-                if not sender.get_subscription_count() and not self._listeners(self.outputs[name])
+                name for name, count in counts.items() if not count and not self._listeners(self.outputs[name])
             }
-            self._onlookers.look()
+            self._onlookers.look(counts)
 
     def send(self, topic: str, message: Message) -> None:
         """To the neighbours, to companions in the bundle, and on its topic to all others who listen."""

@@ -29,16 +29,15 @@ class Onlookers:
         self._said: dict[str, float] = {}
         """When a topic that onlookers alone hear was said last [s of the wall clock]."""
         self._asked = 0.0
-        self._counts: dict[str, int] = {}
+        self._counts: Mapping[str, int] = {}
 
-    def look(self) -> None:
-        """See who is there."""
-        counts = {name: sender.get_subscription_count() for name, sender in self._senders.items()}
+    def look(self, counts: Mapping[str, int]) -> None:
+        """See who is there. counts: how many hear each topic."""
         now = time.monotonic()
         if counts == self._counts and now < self._asked + ASK_S:
             return
         self._asked, self._counts = now, counts
-        alone = [name for name, count in counts.items() if count and self._are_alone(name)]
+        alone = [name for name in self._senders if counts[name] and self._are_alone(name)]
         self._said = {name: self._said.get(name, 0.0) for name in alone}
 
     def rests(self, topic: str) -> bool:
