@@ -17,10 +17,14 @@ from rclpy._rclpy_pybind11 import RCLError
 
 from sojourn_bags import compare_command as compare
 from sojourn_bags import plot_command as plot
+from sojourn_bags import reading
 from sojourn_bags import recover_command as recover
 from sojourn_bags import report_command as report
 from sojourn_bags.completeness import RECORD
+from sojourn_bags.condensed import BATCH
 from sojourn_bags.reading import read_bag
+from sojourn_bags.summary import summarise
+from sojourn_bags.summary_reading import read_for_summary
 from sojourn_bringup import contract_tool
 from sojourn_contract import process, qos
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
@@ -107,6 +111,10 @@ def test_a_run_survives_garbage_and_its_bag_can_be_read(
     assert len(late) >= 0.9 * (PERIODS - SILENT_FROM) - 15, "once he is silent all goes on as before"
     if lockstep:
         assert {round(stamp / 0.02) for stamp in stamps} >= set(range(1, PERIODS + 1))
+
+    for pieces in (BATCH, 7):
+        monkeypatch.setattr(reading, "BATCH", pieces)
+        assert summarise(read_for_summary(folder)) == summarise(bag)
 
     page = str(tmp_path / "page.html")
     assert report.main([str(folder), "--html", "--out", page]) == 0
