@@ -35,9 +35,9 @@ def listener(name: str, profile: QoSProfile) -> Any:
     return SimpleNamespace(node_name=name, qos_profile=profile)
 
 
-LOOKS = listener(ROLE, qos.looking(topic("/truth/contacts")))
+LOOKS = listener(ROLE, qos.looking())
 LISTENS = listener(ROLE, qos.profile(topic("/truth/contacts"), lockstep=True))
-STRANGER = listener("rviz", qos.looking(topic("/truth/contacts")))
+STRANGER = listener("rviz", qos.looking())
 
 
 @pytest.fixture
@@ -87,5 +87,5 @@ def test_who_begins_to_listen_in_an_onlookers_place_is_seen(clock: list[float]) 
 
 
 def test_a_reader_with_best_effort_is_best_effort() -> None:
-    profile = qos.looking(topic("/odom"))
+    profile = qos.looking()
     assert profile.reliability is ReliabilityPolicy.BEST_EFFORT and profile.depth == 1

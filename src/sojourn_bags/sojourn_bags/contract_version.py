@@ -20,13 +20,11 @@ from sojourn_contract.description import (
 from sojourn_contract.errors import TopicNameError
 from sojourn_contract.fault_messages import TOPIC as FAULTS
 from sojourn_contract.link_topics import LINK_STATUS, OPERATOR
-from sojourn_contract.run_table import TICK, row_named
+from sojourn_contract.run_table import RECORDED_BESIDES, TICK, row_named
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topics import STANDARD
 
 PACKAGE = "sojourn_contract"
-_ADDED = ("/tf",)
-"""Topics that the recorder adds to those of the table."""
 _UNREADABLE = (ValueError, KeyError, TypeError, AttributeError)
 _SHOWN = 3
 """Differences of two contracts that a sentence names."""
@@ -42,7 +40,7 @@ def check_contract(bag: Bag) -> None:
     table = table_of_bag(bag)
     for name, messages in bag.topics.items():
         row = table.get(name)
-        if row is None and name not in _ADDED:
+        if row is None and name not in RECORDED_BESIDES:
             raise OtherContractError(bag.path, f"its topic {name} is not in the contract")
         if row is not None and messages.type != full_type(row.type):
             kind = full_type(row.type)

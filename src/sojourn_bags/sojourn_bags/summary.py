@@ -33,6 +33,8 @@ from sojourn_bags.transforms import TOPIC as TRANSFORMS_TOPIC
 
 FloatArray = NDArray[np.float64]
 JOULES_PER_WATT_HOUR = 3600.0
+ELECTRICAL = "/truth/electrical"
+"""Of the first store; of each further one below it."""
 
 
 def summarise(bag: Bag, run: Run | None = None, wall_time_s: float | None = None) -> dict[str, Any]:
@@ -154,13 +156,17 @@ def distance_driven(bag: Bag) -> float:
     return float(np.linalg.norm(steps, axis=1).sum())
 
 
+def is_of_store(topic: str) -> bool:
+    """Whether a topic tells the truth of an energy store."""
+    return topic == ELECTRICAL or topic.startswith(f"{ELECTRICAL}/")
+
+
 def energy_used(bag: Bag) -> float | None:
     """Energy that left the stores, by their true voltages and currents (negative while discharging) [Wh]."""
-    first = "/truth/electrical"
-    if first not in bag:
+    if ELECTRICAL not in bag:
         return None
     joules = 0.0
-    for store in (bag[name] for name in bag.topics if name == first or name.startswith(f"{first}/")):
+    for store in (bag[name] for name in bag.topics if is_of_store(name)):
         power = -store.column("voltage") * store.column("current")
         joules += float(np.trapezoid(power, store.times)) + float(power[0] * store.times[0])
     return joules / JOULES_PER_WATT_HOUR
@@ -168,7 +174,7 @@ def energy_used(bag: Bag) -> float | None:
 
 def charges(bag: Bag) -> FloatArray:
     """True state of charge over time, empty where it is not recorded [1]."""
-    return bag["/truth/electrical"].column("percentage") if "/truth/electrical" in bag else np.empty(0)
+    return bag[ELECTRICAL].column("percentage") if ELECTRICAL in bag else np.empty(0)
 
 
 def max_sinkage(bag: Bag, supports: int) -> float | None:

@@ -11,9 +11,9 @@ from sojourn_bags.machine import POSE, joints_to
 from sojourn_bags.onset import HEARTBEATS
 from sojourn_bags.power_modes import STATUS as POWER_STATUS
 from sojourn_bags.reading import Bag, read_bag, read_beginning
+from sojourn_bags.summary import is_of_store
 from sojourn_contract.fault_messages import TOPIC as FAULTS
 
-ELECTRICAL = "/truth/electrical"
 PLANS = 60
 """Of a record that begins within a drive, those among which is the first with a place."""
 
@@ -34,7 +34,7 @@ def _kept(texts: dict[str, tuple[str, ...]], truth: dict[str, Excerpt], topic: s
         return None
     if topic in texts:
         return Excerpt(texts=texts[topic], is_stamped=True)
-    if topic == ELECTRICAL or topic.startswith(f"{ELECTRICAL}/"):
+    if is_of_store(topic):
         return Excerpt(("voltage", "current", "percentage"), is_stamped=True)
     return truth.get(topic, Excerpt())
 

@@ -34,7 +34,7 @@ from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
 
 CLOCK = "/clock"
-ROLE = "console"
+ROLE = BY_HAND
 MOST_WAITING = 20_000
 """Messages of a topic that is wanted in full, at most, until they are fetched."""
 SILENT_S = 5.0
@@ -188,7 +188,7 @@ class LiveFeed:
                 if not self.now:
                     self.now = 1
 
-        profile = qos.profile(row, lockstep=True) if in_full else qos.looking(row)
+        profile = qos.profile(row, lockstep=True) if in_full else qos.looking()
         kind = message_class(row.type)
         self._readers[name] = self._node.create_subscription(kind, name.lstrip("/"), hear, profile, raw=True)
 

@@ -40,8 +40,8 @@ def profile(row: Topic, lockstep: bool, role: str = "") -> "QoSProfile":
     )
 
 
-def looking(row: Topic) -> "QoSProfile":
-    """Profile of one who looks at a row and needs no more of it than a picture shows: best effort, the newest alone."""
+def looking() -> "QoSProfile":
+    """Profile of one who needs no more of a row than a picture shows: best effort, the newest alone."""
     from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
     return QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

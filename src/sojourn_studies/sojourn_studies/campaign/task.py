@@ -100,19 +100,19 @@ def _done(order: Order, folder: Path) -> Finished:
 
 
 def _judged(order: Order, folder: Path, seed: int, spent: float) -> Finished:
+    from sojourn_bags.reading import read_bag
     from sojourn_bags.summary import summarise, write_summary
-    from sojourn_bags.summary_reading import read_for_summary
 
-    summary = summarise(read_for_summary(folder / BAG))
+    bag = read_bag(folder / BAG)
+    summary = summarise(bag)
     row = finished_row(order.draw, summary, seed)
     row["kept"] = order.draw.sampled or (order.keep_failures and row["result"] == UNMET)
     if not row["kept"]:
         return Finished(row, {"run_s": spent})
     from sojourn_bags.page.page import write_page  # not above: most runs are not kept
-    from sojourn_bags.reading import read_bag
 
     write_summary(summary, folder / SUMMARY)
-    write_page(read_bag(folder / BAG), folder / REPORT, judged=False)
+    write_page(bag, folder / REPORT, judged=False)
     return Finished(row, {"run_s": spent}, packed(folder))
 
 
