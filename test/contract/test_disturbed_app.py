@@ -77,7 +77,7 @@ def heard(
         stamp = period * CONTROL_PERIOD_NS
         goals = [(GOAL, goal(stamp))] if period in goals_at else []
         state, answer = app.step(state, Period(stamp, {IMU: imu(stamp)}, goals))
-        refused[stamp] = [str(refusal) for _, refusal in answer.refusals]
+        refused[stamp] = [reason for _, reason in answer.refusals]
     return state, refused
 
 

@@ -1,10 +1,14 @@
 """Nothing that is said on a topic ends or blinds a node: bytes that are no message, and stamps that are no time."""
 
+import gc
 import struct
 import sys
+from collections import Counter
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -12,12 +16,14 @@ from node_bench import HIGHEST_STAMP_S, Bench, at, cloud, imu, joints, sun
 
 from ros_messages import ros_time
 from sojourn_arm.node import ArmNode
+from sojourn_bags.recorder_node import RecorderNode
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_drive.node import DriveNode
 from sojourn_operator.node import OperatorNode
 from sojourn_plant.node import PlantNode
 from sojourn_power.node import PowerNode
 from sojourn_sensors.node import SensorsNode
+from sojourn_studies.hostile_messages import spoiled, whole
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "contract"))
 
@@ -65,6 +71,41 @@ def test_no_bytes_end_a_node(bench: Bench, role: str, lockstep: bool) -> None:
     assert not node.finished
     assert node.counters.refused and node.counters.last_refusal
     assert node.now or not lockstep
+
+
+@pytest.mark.parametrize("role", ["recorder", *ROLES])
+def test_nothing_that_is_refused_is_left_for_the_garbage_collector(bench: Bench, tmp_path: Path, role: str) -> None:
+    """It comes seldom: under a flood nodes grew by some 40 MB of messages, each held by the error that refused it."""
+    kind, participants = ROLES.get(role, (RecorderNode, ("sensors", "drive", "arm", "power", "recorder")))
+    own = {"bag": str(tmp_path / "bag")} if role == "recorder" else {}
+    node = bench.start(kind, *participants, lockstep=False, **own)
+    if role == "plant":
+        node._begun = True
+    random, rows = np.random.default_rng(3), node.endpoints.inputs
+
+    def flood(rounds: int) -> None:
+        for _ in range(rounds):
+            for row in rows:
+                node._receive(row, spoiled(random, [whole(row)], node.now + CONTROL_PERIOD_NS))
+            if role == "plant":
+                node._act_in_real_time()
+
+    flood(20)
+    gc.collect()
+    gc.disable()
+    before, found = sum(node.counters.refused.values()), len(gc.garbage)
+    gc.set_debug(gc.DEBUG_SAVEALL)
+    try:
+        flood(20)
+        gc.collect()
+        kinds = [type(each) for each in gc.garbage[found:]]  # a library that is loaded meanwhile may leave its own
+        left = Counter(kind for kind in kinds if kind is FrameType or kind.__module__.startswith("sojourn"))
+    finally:
+        gc.set_debug(0)
+        gc.enable()
+        del gc.garbage[found:]
+    assert sum(node.counters.refused.values()) > before + len(rows)
+    assert not left
 
 
 def test_garbage_over_the_wire_is_counted_with_its_reason(bench: Bench) -> None:

@@ -126,7 +126,7 @@ class ArmApp(FlightApp[ArmAppState]):
             state = self._control(state, inputs, measured, rover)
         else:
             state = replace(state, command=state.command.at_rest())
-            cause = last_refused(str(refusals[-1][1]) if refusals else period.last_refusal)
+            cause = last_refused(refusals[-1][1] if refusals else period.last_refusal)
             if reason := given_up(MEASUREMENTS, stamp, state.usable_at, inputs, cause):
                 # a stop for when it knows again where it is
                 state = replace(state, goal=state.goal.given_up(reason), pending=StopGoal())
@@ -140,7 +140,7 @@ class ArmApp(FlightApp[ArmAppState]):
         try:
             return replace(ground, cloud=newest, seen=self._ground.after_cloud(ground.seen, cloud, rover))
         except RefusedMessageError as refusal:
-            refusals.append((refusal.topic, refusal))
+            refusals.append((refusal.topic, str(refusal)))
             return replace(ground, cloud=newest)
 
     def _take_goals(self, state: ArmAppState, period: Period, rover: Rover, refusals: list[Refusal]) -> ArmAppState:
@@ -150,9 +150,9 @@ class ArmApp(FlightApp[ArmAppState]):
             try:
                 state = replace(state, pending=self._goals.request(name, message, period.stamp, rover))
             except (GoalRefusedError, RefusedMessageError) as refusal:
-                state = replace(state, goal=state.goal.refused(str(refusal)))
-                is_told = isinstance(refusal, RefusedMessageError)
-                refusals.append((name, refusal if is_told else NotCarriedOutError(name, "goal", str(refusal))))
+                told, is_told = str(refusal), isinstance(refusal, RefusedMessageError)
+                state = replace(state, goal=state.goal.refused(told))
+                refusals.append((name, told if is_told else str(NotCarriedOutError(name, "goal", told))))
         return state
 
     def _control(self, state: ArmAppState, inputs: Mapping[str, Any], measured: Measured, rover: Rover) -> ArmAppState:

@@ -78,7 +78,7 @@ class Measurements:
         try:
             return self._places.places(joints)
         except RefusedMessageError as refusal:
-            refusals.append((JOINTS, refusal))
+            refusals.append((JOINTS, str(refusal)))
             return None
 
     def _tool_reading(self, joints: JointState) -> ToolReading | None:
@@ -99,6 +99,6 @@ class Measurements:
         try:
             gravity: FloatArray = self._imu_to_base @ gravity_in_body(imu.orientation, self._gravity)
         except MachineError as error:
-            refusals.append((IMU, error))
+            refusals.append((IMU, str(error)))
             return None
         return gravity

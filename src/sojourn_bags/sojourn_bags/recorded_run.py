@@ -52,7 +52,7 @@ class RecordedRun:
     def open(
         self,
         folder: Path,
-        refuse: Callable[[str, Exception], None],
+        refuse: Callable[[str, str], None],
         offered: Callable[[ChannelSpec], Sequence[dict[str, Any]]] | None = None,
     ) -> Recording:
         """Begin the bag.

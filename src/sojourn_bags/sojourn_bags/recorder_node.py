@@ -146,12 +146,9 @@ class RecorderNode(ContractNode):
         try:
             stamp = stamp_of(row.name, message)
         except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
+            self.refuse(row.name, str(refusal))
         self._live.hear(row.name, stamp, message)
-        try:
-            self.recording.take(row, stamp, message)
-        except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
+        self.recording.take(row, stamp, message)
         if not self.lockstep:
             if row.name == CLOCK:
                 self._hear_clock(row, stamp)
@@ -166,7 +163,8 @@ class RecorderNode(ContractNode):
         """In real time the plant's clock paces the recorder, as far as it can be believed."""
         allowed = self._refusal_realtime(row, stamp)
         if allowed is not None:
-            self.refuse(row.name, RefusedMessageError(row.name, "clock", f"{stamps.seconds(stamp):.3f} s", allowed))
+            refusal = RefusedMessageError(row.name, "clock", f"{stamps.seconds(stamp):.3f} s", allowed)
+            self.refuse(row.name, str(refusal))
             return
         self._silence.ends()
         self.recording.advance(self.latest.timeline.now)

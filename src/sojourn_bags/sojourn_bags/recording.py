@@ -45,7 +45,7 @@ class Recording:
         awaited: Sequence[Topic],
         participants: Sequence[str],
         lockstep: bool,
-        refuse: Callable[[str, Exception], None],
+        refuse: Callable[[str, str], None],
         onset: Onset = WHOLE,
         longest_leap: int = 0,
     ) -> None:
@@ -76,14 +76,15 @@ class Recording:
         self._truth_channel, self._odometry_channel = self._channel_of[TRUTH], self._channel_of[ODOMETRY]
 
     def take(self, row: Topic, stamp: int, message: bytes) -> None:
-        """Take one message of a row. Raises RefusedMessageError for what cannot be read and should be: it is kept."""
+        """Take one message of a row; what cannot be read and should be is refused, and kept."""
         self.last_arrival = time.monotonic()
-        rank, unreadable = 0, None
+        rank = 0
         if row.publisher == "all":
             try:
                 found = self._hear(row, stamp, message)
             except RefusedMessageError as refusal:
-                found, unreadable = len(ROLES), refusal
+                self._refuse(row.name, str(refusal))
+                found = len(ROLES)
             if found is None:
                 return
             rank = found
@@ -104,8 +105,6 @@ class Recording:
                 before, self._clock = self._clock, stamp // CONTROL_PERIOD_NS
                 if before and self._clock > before + 1:
                     self._periods.leap(before, self._clock)
-        if unreadable is not None:
-            raise unreadable
 
     def advance(self, now: int) -> None:
         """In real time: it is `now` [ns], by the clock of the plant."""
@@ -193,7 +192,11 @@ class Recording:
 
     def _announce(self, row: Topic, stamp: int, message: bytes) -> None:
         """The operator's tick says how many goals it has sent."""
-        counts, _ = parse_tick(decode(row, message).frame)
+        try:
+            counts, _ = parse_tick(decode(row, message).frame)
+        except RefusedMessageError as refusal:
+            self._refuse(row.name, str(refusal))
+            return
         known = {self._channel_of[name]: count for name, count in counts.items() if name in self._channel_of}
         self._periods.announce(stamp, known)
 
@@ -214,7 +217,7 @@ class Recording:
             message = self._transforms.message(stamp, truth, odometry)
         except struct.error as error:
             topic = TRUTH if odometry is None else ODOMETRY
-            self._refuse(topic, RefusedMessageError(topic, "pose", f"unreadable ({error})", "a pose, for /tf"))
+            self._refuse(topic, str(RefusedMessageError(topic, "pose", f"unreadable ({error})", "a pose, for /tf")))
             return
         if message is not None:
             self.writer.write(len(self._rows), stamp, stamp, message)

@@ -16,8 +16,9 @@ from sojourn_contract.kept_data import Kept
 from sojourn_contract.topic_types import Topic
 
 State = TypeVar("State")
-Refusal: TypeAlias = tuple[str, Exception]
-"""Topic of a message that cannot be used, and why."""
+Refusal: TypeAlias = tuple[str, str]
+"""Topic of a message that cannot be used, and why, in words: an error that is kept holds on to the whole period in
+which it was raised."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -133,8 +133,8 @@ class AppNode(ContractNode):
             self.state = self.app.started_again(self.state, stamp, self._read_kept())
         period = Period(stamp, inputs, goals, self.counters.last_refusal, self.endpoints.wanted)
         self.state, answer = self.app.step(self.state, period)
-        for topic, refusal in answer.refusals:
-            self.refuse(topic, refusal)
+        for topic, reason in answer.refusals:
+            self.refuse(topic, reason)
         for text in answer.errors:
             self.get_logger().error(f"{text} at {stamp / 1e9:.2f} s")
         self.finished = self.finished or answer.finished

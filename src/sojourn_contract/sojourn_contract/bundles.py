@@ -55,22 +55,29 @@ def pack(said: Iterable[tuple[str, bytes]]) -> bytes:
 
 def unpack(topic: str, data: bytes) -> list[tuple[str, bytes]]:
     """What `pack` has put into these bytes. Raises RefusedMessageError of `topic` for any others."""
-    refusal = RefusedMessageError(topic, "message", f"{len(data)} bytes", "a bundle of messages")
+    said = _unpacked(data)
+    if said is None:
+        raise RefusedMessageError(topic, "message", f"{len(data)} bytes", "a bundle of messages")
+    return said
+
+
+def _unpacked(data: bytes) -> list[tuple[str, bytes]] | None:
+    """As `unpack`; None for bytes that `pack` has not made."""
     if len(data) < _OPENING.size:
-        raise refusal
+        return None
     *opening, size = _OPENING.unpack_from(data)
     place, end = _OPENING.size, _OPENING.size + size
     if opening != [0, 1, 0, 0] or end > len(data):  # the middleware may append some bytes
-        raise refusal
+        return None
     said = []
     while place < end:
         if place + _HEAD.size > end:
-            raise refusal
+            return None
         name_size, size = _HEAD.unpack_from(data, place)
         name_end = place + _HEAD.size + name_size
         name, place = data[place + _HEAD.size : name_end], name_end + size
         if place > end or not name.isascii():
-            raise refusal
+            return None
         said.append((name.decode(), data[name_end:place]))
     return said
 
@@ -202,7 +209,7 @@ class Bundles:
         try:
             said = unpack(topic, data)
         except RefusedMessageError as refusal:
-            self._node.refuse(topic, refusal)
+            self._node.refuse(topic, str(refusal))
             return
         for name, content in said:
             if name in self._inputs:

@@ -2,8 +2,8 @@
 same for every listener: nodes, recorder, supervisor and tools.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from types import TracebackType
 from typing import Any
 
 from rclpy.serialization import deserialize_message
@@ -19,18 +19,28 @@ STAMP_BYTES = 12
 """Encapsulation header, seconds and nanoseconds: every message of the contract begins with them."""
 
 
-@contextmanager
-def refusing(topic: str, what: str, data: bytes | None = None) -> Iterator[None]:
+class refusing:
     """Within it every error is a RefusedMessageError of `topic`: `what` was to be made of the message, and could not.
 
-    For the reading of what others have sent, and for nothing else: an error of our own must not look like theirs.
+    For the reading of what others have sent, and for nothing else: an error of our own must not look like theirs. It is
+    a class, as an error that leaves a generator holds on to itself: what was refused would stay for the garbage
+    collector, which comes seldom.
     """
-    try:
-        yield
-    except RefusedMessageError:
-        raise
-    except Exception as error:
-        raise unreadable(topic, what, error, data) from error
+
+    __slots__ = ("_data", "_topic", "_what")
+
+    def __init__(self, topic: str, what: str, data: bytes | None = None) -> None:
+        self._topic, self._what, self._data = topic, what, data
+
+    def __enter__(self) -> None:
+        """See the class."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Raises RefusedMessageError for any error of another kind."""
+        if isinstance(error, Exception) and not isinstance(error, RefusedMessageError):
+            raise unreadable(self._topic, self._what, error, self._data) from error
 
 
 def stamp_of(topic: str, data: bytes) -> int:

@@ -169,7 +169,7 @@ class DisturbedApp(App[DisturbedState[Any]]):
             times = 0
         elif not row.is_event and times > 1:
             refused = RefusedMessageError(name, "header.stamp", f"{stamp / NANOSECONDS:.3f} s", "each message once")
-            refusals.append((name, refused))
+            refusals.append((name, str(refused)))
             times = 1
         return replace(way, coming=(*way.coming, *[(arrives, message)] * times), heard=stamp)
 
@@ -182,7 +182,7 @@ class DisturbedApp(App[DisturbedState[Any]]):
             check_input(row, read)
             self._app.check(row, read)
         except RefusedMessageError as refusal:
-            refusals.append((row.name, refusal))
+            refusals.append((row.name, str(refusal)))
             return None
         return read
 
@@ -213,7 +213,7 @@ def _shifted(row: Topic, message: Message, by: int, now: int, refusals: list[Ref
         else f"{oldest / NANOSECONDS:.3f} s or later"
     )
     refused = RefusedMessageError(row.name, "header.stamp", f"{told / NANOSECONDS:.3f} s", allowed)
-    refusals.append((row.name, refused))
+    refusals.append((row.name, str(refused)))
     return None
 
 

@@ -43,7 +43,7 @@ def quality(row: Topic) -> "QoSProfile":
 
 def reader(node: Any, row: Topic, take: Any) -> Any:
     """A subscription of a row of checkpoints."""
-    hear = hearing(row, take, lambda refusal: node.refuse(row.name, refusal))
+    hear = hearing(row, take, lambda refusal: node.refuse(row.name, str(refusal)))
     return node.create_subscription(message_class(row.type), row.name.lstrip("/"), hear, quality(row), raw=True)
 
 

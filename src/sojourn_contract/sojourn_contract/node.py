@@ -177,7 +177,7 @@ class ContractNode(Node):
         try:
             self._receive_periodic(row, message.stamp, message)
         except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
+            self.refuse(row.name, str(refusal))
 
     def poll(self) -> None:
         """Wall-clock chores, called some times a second: readiness before the run, a word when stalled."""
@@ -242,7 +242,7 @@ class ContractNode(Node):
             else:
                 self._receive_realtime(row, stamp_of(row.name, data), data)
         except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
+            self.refuse(row.name, str(refusal))
 
     def _content(self, row: Topic, data: bytes | Message) -> Any:
         """What the message holds, checked. Raises RefusedMessageError."""
@@ -260,13 +260,13 @@ class ContractNode(Node):
     def on_heartbeat(self, message: Any) -> None:
         """A message on /diagnostics; only the plant and the recorder listen."""
 
-    def refuse(self, topic: str, refusal: Exception) -> None:
+    def refuse(self, topic: str, reason: str) -> None:
         """Count a refused message and log it; of a topic that goes on like that, one line a second."""
-        self.counters.count_refused(topic, str(refusal))
+        self.counters.count_refused(topic, reason)
         now = time.monotonic()
         if now - self._warned.get(topic, -REFUSAL_LOG_S) >= REFUSAL_LOG_S:
             self._warned[topic] = now
-            self.get_logger().warning(f"refused: {refusal}")
+            self.get_logger().warning(f"refused: {reason}")
 
     def _receive_event(self, row: Topic, data: bytes) -> None:
         self.events = self.events.counted(row)
@@ -274,7 +274,7 @@ class ContractNode(Node):
             stamp, goal = stamp_of(row.name, data), self._content(row, data)
             self.events = self.events.offered(row, stamp, self.now, goal)
         except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
+            self.refuse(row.name, str(refusal))
         self._advance()  # a tick may have waited for this goal, good or bad
 
     def _receive_periodic(self, row: Topic, stamp: int, data: bytes | Message) -> None:
@@ -295,7 +295,7 @@ class ContractNode(Node):
         try:
             return self._content(row, data)
         except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
+            self.refuse(row.name, str(refusal))
             return None
 
     def _receive_realtime(self, row: Topic, stamp: int, data: bytes) -> None:
@@ -306,7 +306,7 @@ class ContractNode(Node):
         try:
             self._check(row, message)
         except RefusedMessageError as refusal:
-            self.refuse(row.name, refusal)
+            self.refuse(row.name, str(refusal))
             message = None
         self.latest.keep(row, stamp, message)
         if row.name != self._trigger:

@@ -128,7 +128,7 @@ class DriveApp(FlightApp[DriveAppState]):
             state = replace(stepped, heard=replace(stepped.heard, usable_at=usable_at))
             output = state.output
         else:
-            cause = last_refused(str(refusals[-1][1]) if refusals else period.last_refusal)
+            cause = last_refused(refusals[-1][1] if refusals else period.last_refusal)
             if heard.dark:
                 cause = f"the power manager has switched off {self._imu_load}"
             reason = given_up(MEASUREMENTS, stamp, usable_at, period.inputs, cause)
@@ -168,8 +168,8 @@ class DriveApp(FlightApp[DriveAppState]):
                 state = replace(state, drive=drive, alarm="", is_lost=False)
                 told = PlaceStatus(message.stamp, "done")
             except RefusedMessageError as refusal:
-                refusals.append((name, refusal))
                 told = PlaceStatus(message.stamp, "refused", str(refusal))
+                refusals.append((name, told.reason))
             state = replace(state, asked=replace(state.asked, placed=told))
         return state
 
@@ -191,7 +191,7 @@ class DriveApp(FlightApp[DriveAppState]):
             elif heard.interlock:
                 asked = replace(asked, last=asked.last.refused(message, heard.interlock))
                 none = f"none while {heard.interlock}"
-                refusals.append((name, RefusedMessageError(name, "header", "a goal now", none)))
+                refusals.append((name, str(RefusedMessageError(name, "header", "a goal now", none))))
             elif name == "/cmd_vel":
                 stamp = message.stamp or now
                 twist = _planar(message)
@@ -204,7 +204,7 @@ class DriveApp(FlightApp[DriveAppState]):
                     asked = replace(asked, pending=goal_of(name, message, state.drive.odometry, last.number), last=last)
                 except RefusedMessageError as refusal:
                     asked = replace(asked, last=replace(last, state="refused", reason=str(refusal)))
-                    refusals.append((name, refusal))
+                    refusals.append((name, str(refusal)))
         return asked
 
     @staticmethod
@@ -219,7 +219,7 @@ class DriveApp(FlightApp[DriveAppState]):
             DriveApp._check_known(state, QUESTION, message.frame)
             goal = goal_of(QUESTION, message, state.drive.odometry, 0)
         except RefusedMessageError as refusal:
-            refusals.append((QUESTION, refusal))
+            refusals.append((QUESTION, str(refusal)))
             return replace(asked, question=None, questioned=replace(told, refused=str(refusal)))
         return replace(asked, question=goal, questioned=told)
 
@@ -240,7 +240,7 @@ class DriveApp(FlightApp[DriveAppState]):
                 return points
             return self._body.left_out(points, joints.names, joints.position)
         except RefusedMessageError as refusal:
-            refusals.append((CLOUD, refusal))
+            refusals.append((CLOUD, str(refusal)))
             return None
 
     def _images(self, period: Period, heard: Heard, refusals: list[Refusal]) -> tuple[StereoImages | None, Heard]:
@@ -248,7 +248,7 @@ class DriveApp(FlightApp[DriveAppState]):
         try:
             images, taken = self._stereo.images(period.stamp, period.inputs, heard.images)
         except RefusedMessageError as refusal:
-            refusals.append((refusal.topic, refusal))
+            refusals.append((refusal.topic, str(refusal)))
             return None, replace(heard, images=period.stamp)
         return images, heard if taken == heard.images else replace(heard, images=taken)
 
@@ -272,7 +272,7 @@ class DriveApp(FlightApp[DriveAppState]):
                 drive = replace(drive, odometry=odometry)
             drive, output = self.model.step(drive, measured, min(since, LONGEST_PERIOD))
         except (MachineError, RefusedMessageError) as error:
-            refusals.append(("/joint_states", error))
+            refusals.append(("/joint_states", str(error)))
             return None
         asked = replace(state.asked, pending=None, abandoned="", question=None)
         gyro = measured.felt.gyro or (0.0, 0.0, 0.0)

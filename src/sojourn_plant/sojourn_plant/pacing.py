@@ -142,7 +142,7 @@ class PacingNode(AppNode):
             if self.keeper is not None and self._asking_limit.is_new(self.now, self.keeper.answered):
                 self.keeper.ask()
         except RefusedMessageError as refusal:
-            self.refuse(CHECKPOINT.name, refusal)
+            self.refuse(CHECKPOINT.name, str(refusal))
 
     def _goals_are_in(self) -> bool:
         return super()._goals_are_in() and (self.keeper is None or self.keeper.may_act(self.barrier.stamp))

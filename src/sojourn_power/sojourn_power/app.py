@@ -97,7 +97,7 @@ class PowerApp(FlightApp[PowerState]):
                 reading.require_numbers(name)
                 telemetry[place] = reading
             except MachineError as error:
-                refusals.append((name, error))
+                refusals.append((name, str(error)))
         readings = tuple([reading for reading in telemetry if reading is not None])
         state, stamp = replace(state, telemetry=tuple(telemetry)), period.stamp
         if len(readings) < len(telemetry):  # not all is known yet: leave every switch as it is
@@ -155,7 +155,7 @@ class PowerApp(FlightApp[PowerState]):
                 state = replace(state, manager=manager, request=LastRequest(message.stamp, asked))
             except MachineError as refusal:
                 state = replace(state, request=LastRequest(message.stamp, refused=str(refusal)))
-                refusals.append((name, NotCarriedOutError(name, "request", str(refusal))))
+                refusals.append((name, str(NotCarriedOutError(name, "request", str(refusal)))))
         return state
 
     def _messages(

@@ -8,7 +8,7 @@ import numpy as np
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
-from sojourn_contract.app import NOTHING, Answer, App, Period
+from sojourn_contract.app import NOTHING, Answer, App, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.fault_messages import TOPIC
@@ -125,7 +125,7 @@ class SensorsApp(App[SensorsState]):
             return self._all_unheard
         return frozenset(one.name for one in self._on_demand if not any(row.name in wanted for row in one.rows))
 
-    def _measure(self, state: SensorsState, period: Period) -> tuple[SensorsState, list[tuple[str, Exception]]]:
+    def _measure(self, state: SensorsState, period: Period) -> tuple[SensorsState, list[Refusal]]:
         """What the sensors say of a period; where its truth cannot be used what they said last, if anything."""
         stamp, inputs = period.stamp, period.inputs
         odometry, joints = inputs["/truth/odom"], inputs["/truth/joint_states"]
@@ -149,7 +149,7 @@ class SensorsApp(App[SensorsState]):
                 elif sensor.params.heard_rows:
                     after[place] = sensor.hear(after[place], truth)
         except (MachineError, RefusedMessageError) as error:
-            return state, [("/truth/joint_states", error)]
+            return state, [("/truth/joint_states", str(error))]
         faulty = self._fault(state, readings, stamp) if state.faulty else state.faulty
         return replace(state, sensors=tuple(after), readings=tuple(readings), faulty=faulty, measured_at=stamp), []
 

@@ -94,8 +94,8 @@ class DirectRecorder:
     def _take(self, row: Topic, message: Message) -> None:
         self._recording.take(row, message.stamp, encode(row, message))
 
-    def _refuse(self, name: str, refusal: Exception) -> None:
-        self._counters.count_refused(name, str(refusal))
+    def _refuse(self, name: str, reason: str) -> None:
+        self._counters.count_refused(name, reason)
 
 
 def _is_whole(said: Sequence[tuple[Topic, Message]]) -> bool:

@@ -218,7 +218,7 @@ class _Period:
         took = one.took + late([(name, goal.stamp) for name, goal in taken], before, self.stamp)
         one = replace(one, app=memory, goals=goals, now=self.stamp, published=published, took=took)
         for name, refused in answer.refusals:
-            one = one.refusing(name, str(refused))
+            one = one.refusing(name, refused)
         self._roles[role] = one
         self._finished = self._finished or answer.finished
         if answer.landing:

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.app import Period
@@ -132,8 +133,8 @@ class ClosedLoop:
         joints = JointState(stamp, self._joint_names, position, np.zeros_like(position), effort)
         inputs = {"/truth/odom": odometry, "/truth/joint_states": joints}
         self._sensing, answer = self._sensors.step(self._sensing, Period(stamp, inputs))
-        for _, refusal in answer.refusals:
-            raise refusal
+        for topic, reason in answer.refusals:
+            raise CommandError(f"the sensors refuse {topic}: {reason}")
         said = dict(answer.messages)
         sun = None
         if "/sun_direction" in said:

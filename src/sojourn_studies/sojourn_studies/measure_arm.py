@@ -127,8 +127,8 @@ class Bench:
 
     def _measure(self) -> "_Reading":
         self._sensing, answer = self._sensors.step(self._sensing, Period(self._stamp, self._messages))
-        for _, refusal in answer.refusals:
-            raise refusal
+        for topic, reason in answer.refusals:
+            raise CommandError(f"the sensors refuse {topic}: {reason}")
         said = dict(answer.messages)
         joints = said["/joint_states"]
         return _Reading(joints.names, joints.position, joints.velocity, said["/imu/data"].orientation)
