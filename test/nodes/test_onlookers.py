@@ -1,4 +1,4 @@
-"""To whom a fast run does not say everything: consoles that look on, and nobody else."""
+"""To whom a fast run speaks as often as they look: consoles, where nobody else hears a topic."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -8,27 +8,44 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from sojourn_console.live_feed import ROLE
 from sojourn_contract import onlookers, qos
-from sojourn_contract.onlookers import ASK_S, LOOK_S, Onlookers
+from sojourn_contract.bundles import unpack
+from sojourn_contract.codecs import decode
+from sojourn_contract.onlookers import ASK_S, LOOK_S, Onlookers, looks_of
 from sojourn_contract.topics import topic
+from sojourn_contract.values import Clock
+
+ROW = topic("/clock")
 
 
 class Graph:
-    """Who hears a topic, as the ROS library tells it."""
+    """A node that says one topic, and who hears it and its looks, as the ROS library tells it."""
 
-    topic_name = "/truth/contacts"
+    topic_name, role = ROW.name, "plant"
 
-    def __init__(self) -> None:
-        self.listeners: list[Any] = []
-        self.asked = 0
+    def __init__(self, *listeners: Any, reached: int = 9) -> None:
+        self.listeners, self.reached = listeners, reached
+        self.asked, self.senders = 0, 0
+        self.published: list[list[int]] = []
+        """Of each message to onlookers the stamps in it."""
 
     @property
     def counts(self) -> dict[str, int]:
-        return {"contacts": len(self.listeners)}
+        return {ROW.name: len(self.listeners)}
 
-    def get_subscriptions_info_by_topic(self, name: str) -> list[Any]:
+    def get_subscriptions_info_by_topic(self, name: str) -> tuple[Any, ...]:
         assert name == self.topic_name
         self.asked += 1
         return self.listeners
+
+    def create_publisher(self, kind: Any, name: str, quality: QoSProfile) -> Any:
+        assert name == "_looks/plant" and quality.reliability is ReliabilityPolicy.RELIABLE
+        self.senders += 1
+        return SimpleNamespace(publish=self._hear, get_subscription_count=lambda: self.reached)
+
+    def _hear(self, data: bytes) -> None:
+        said = unpack(looks_of("plant").name, data)
+        assert {name for name, _ in said} == {ROW.name}
+        self.published.append([decode(ROW, content).stamp for _, content in said])
 
 
 def listener(name: str, profile: QoSProfile) -> Any:
@@ -36,7 +53,7 @@ def listener(name: str, profile: QoSProfile) -> Any:
 
 
 LOOKS = listener(ROLE, qos.looking())
-LISTENS = listener(ROLE, qos.profile(topic("/truth/contacts"), lockstep=True))
+LISTENS = listener(ROLE, qos.profile(ROW, lockstep=True))
 STRANGER = listener("rviz", qos.looking())
 
 
@@ -47,43 +64,84 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return now
 
 
-def said(graph: Graph, clock: list[float], seconds: float) -> int:
-    """Of a message a millisecond."""
-    watch = Onlookers(graph, {"contacts": graph})
-    count = 0
-    for _ in range(round(seconds * 1000.0)):
+def spoken(graph: Graph, clock: list[float], seconds: float) -> list[int]:
+    """Stamps of the messages that are sent on the topic itself, of one a millisecond."""
+    watch = Onlookers(graph, {ROW.name: ROW}, {ROW.name: graph})
+    aloud = []
+    for stamp in range(round(seconds * 1000.0)):
         clock[0] += 1e-3
         watch.look(graph.counts)
-        count += not watch.rests("contacts")
-    return count
+        if not watch.takes(ROW.name, Clock(stamp)):
+            aloud.append(stamp)
+    watch.looks.send()
+    return aloud
 
 
-def test_onlookers_alone_are_told_as_often_as_they_look(clock: list[float]) -> None:
-    graph = Graph()
-    graph.listeners = [LOOKS, LOOKS]
-    assert said(graph, clock, 3.0) == pytest.approx(3.0 / LOOK_S, abs=4)
-    assert graph.asked <= 3.0 / ASK_S + 2
+def test_who_looks_is_told_the_newest_as_often_as_it_looks(clock: list[float]) -> None:
+    graph = Graph(LOOKS, LOOKS)
+    assert not spoken(graph, clock, 3.0)
+    assert len(graph.published) == pytest.approx(3.0 / LOOK_S, abs=4)
+    assert all(len(stamps) == 1 for stamps in graph.published) and graph.published[-1] == [2999]
+    assert graph.asked <= 3.0 / ASK_S + 2 and graph.senders == 1
 
 
-@pytest.mark.parametrize("besides", [LISTENS, STRANGER, listener("drive", LISTENS.qos_profile)])
-def test_whoever_listens_besides_hears_everything(clock: list[float], besides: Any) -> None:
-    graph = Graph()
-    graph.listeners = [LOOKS, besides]
-    assert said(graph, clock, 1.0) == 1000
+def test_who_wants_everything_is_told_everything_as_often_as_it_looks(clock: list[float]) -> None:
+    graph = Graph(LOOKS, LISTENS)
+    assert not spoken(graph, clock, 3.0)
+    assert len(graph.published) == pytest.approx(3.0 / LOOK_S, abs=4)
+    assert [stamp for stamps in graph.published for stamp in stamps] == list(range(3000))
+
+
+@pytest.mark.parametrize("besides", [STRANGER, listener("drive", LISTENS.qos_profile)])
+def test_whoever_listens_besides_hears_everything_and_at_once(clock: list[float], besides: Any) -> None:
+    graph = Graph(LOOKS, besides)
+    assert spoken(graph, clock, 1.0) == list(range(1000))
+    assert not graph.published and not graph.senders
+
+
+def test_a_console_that_is_not_reached_yet_hears_the_topic(clock: list[float]) -> None:
+    graph = Graph(LOOKS, LISTENS, reached=1)
+    assert spoken(graph, clock, 1.0) == list(range(1000)) and not graph.published
 
 
 def test_who_begins_to_listen_in_an_onlookers_place_is_seen(clock: list[float]) -> None:
-    """A page that plots what it looked at before: as many hear the topic, and others."""
-    graph = Graph()
-    graph.listeners = [LOOKS]
-    watch = Onlookers(graph, {"contacts": graph})
+    """As many hear the topic, and others; what waited comes before what is sent from then on."""
+    graph = Graph(LISTENS)
+    watch = Onlookers(graph, {ROW.name: ROW}, {ROW.name: graph})
     watch.look(graph.counts)
-    assert [watch.rests("contacts") for _ in range(2)] == [False, True]
-    graph.listeners = [LISTENS]
+    assert [watch.takes(ROW.name, Clock(stamp)) for stamp in (1, 2, 3)] == [True] * 3
+    assert graph.published == [[1]]
+    graph.listeners = (STRANGER,)
     clock[0] += 1.01 * ASK_S
     watch.look(graph.counts)
-    assert [watch.rests("contacts") for _ in range(2)] == [False, False]
-    assert not watch.rests("another"), "of a topic that is no periodic one of this node nothing is left out"
+    assert graph.published == [[1], [2, 3]]
+    assert not watch.takes(ROW.name, Clock(4)) and not watch.takes("/odom", Clock(4))
+
+
+def test_what_waits_is_sent_without_another_message(clock: list[float]) -> None:
+    """A run that stands still shows its last period."""
+    graph = Graph(LOOKS)
+    watch = Onlookers(graph, {ROW.name: ROW}, {ROW.name: graph})
+    watch.look(graph.counts)
+    for stamp in (1, 2):
+        watch.takes(ROW.name, Clock(stamp))
+    clock[0] += 1.01 * LOOK_S
+    watch.look(graph.counts)
+    assert graph.published == [[1], [2]]
+
+
+def test_one_node_of_a_process_sends_for_all(clock: list[float]) -> None:
+    graphs = Graph(LISTENS), Graph(LISTENS)
+    first, second = (Onlookers(graph, {ROW.name: ROW}, {ROW.name: graph}) for graph in graphs)
+    second.looks = first.looks
+    for watch, graph in zip((first, second), graphs, strict=True):
+        watch.look(graph.counts)
+    first.takes(ROW.name, Clock(0))
+    for stamp in range(1, 5):
+        assert (first, second)[stamp % 2].takes(ROW.name, Clock(stamp))
+    clock[0] += 1.01 * LOOK_S
+    second.takes(ROW.name, Clock(5))
+    assert graphs[0].published == [[0], [1, 2, 3, 4, 5]] and not graphs[1].senders
 
 
 def test_a_reader_with_best_effort_is_best_effort() -> None:

@@ -2,7 +2,8 @@
 
 The console is one more listener: no role waits for it, and what it does not look at it does not hear. It hears /clock
 alone until the run goes, because nodes that wait for their listeners must not count this one among them. What it wants
-in full it hears reliably, all else as an onlooker, to whom a fast run does not say everything.
+in full it hears reliably, all else with best effort. A run in lock-step tells it both as often as it looks, see
+`sojourn_contract.onlookers`.
 
 All of the ROS library is used by one thread, which others ask by a queue.
 """
@@ -12,6 +13,7 @@ import queue
 import threading
 from collections import deque
 from collections.abc import Callable, Collection
+from functools import partial
 from time import monotonic
 from typing import Any
 
@@ -23,13 +25,14 @@ from sojourn_bringup.instance import RoleInUseError, RoleTokens
 from sojourn_config.ros_environment import ros_variables
 from sojourn_console.errors import GoalError
 from sojourn_console.feed import FeedMessage
-from sojourn_contract import qos
+from sojourn_contract import onlookers, qos
+from sojourn_contract.bundles import unpack
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.link_topics import BY_HAND, EARTH, OPERATOR
 from sojourn_contract.topic_table import TopicTable
-from sojourn_contract.topic_types import Topic
+from sojourn_contract.topic_types import ROLES, Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
 
@@ -58,6 +61,8 @@ class LiveFeed:
         self._table, self._namespace = table, namespace
         self._waiting: dict[str, deque[bytes]] = {}
         self._readers: dict[str, Any] = {}
+        self._looks: list[Any] = []
+        """Readers of what nodes tell onlookers."""
         self._senders: dict[str, Any] = {}
         self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._looked_at: frozenset[str] = frozenset()
@@ -166,6 +171,8 @@ class LiveFeed:
     def _listen_as_wanted(self) -> None:
         if not self.is_heard:
             return
+        if not self._looks:
+            self._looks = [self._looking_at(role) for role in {row.publisher for row in self._table} & set(ROLES)]
         for name in set(self._readers) - {CLOCK}:
             if name not in self._looked_at or (name in self._in_full) != (self._waiting[name].maxlen == MOST_WAITING):
                 self._node.destroy_subscription(self._readers.pop(name))
@@ -178,19 +185,33 @@ class LiveFeed:
 
     def _listen(self, row: Topic, in_full: bool) -> None:
         self._waiting[row.name] = deque(self._waiting.get(row.name, ()), MOST_WAITING if in_full else 1)
-        waiting, name = self._waiting, row.name
-
-        def hear(data: bytes) -> None:
-            if name in waiting:
-                waiting[name].append(data)
-            if name == CLOCK:
-                self._heard_at = monotonic()
-                if not self.now:
-                    self.now = 1
-
+        hear, name = partial(self._hear, row.name), row.name
         profile = qos.profile(row, lockstep=True) if in_full else qos.looking()
         kind = message_class(row.type)
         self._readers[name] = self._node.create_subscription(kind, name.lstrip("/"), hear, profile, raw=True)
+
+    def _looking_at(self, role: str) -> Any:
+        """A reader of what a role tells onlookers."""
+        row = onlookers.looks_of(role)
+
+        def hear(data: bytes) -> None:
+            try:
+                said = unpack(row.name, data)
+            except RefusedMessageError:  # somebody else's
+                return
+            for name, content in said:
+                self._hear(name, content)
+
+        name, kind = row.name.lstrip("/"), message_class(row.type)
+        return self._node.create_subscription(kind, name, hear, onlookers.quality(row), raw=True)
+
+    def _hear(self, name: str, data: bytes) -> None:
+        if name in self._waiting:
+            self._waiting[name].append(data)
+        if name == CLOCK:
+            self._heard_at = monotonic()
+            if not self.now:
+                self.now = 1
 
     def _publish(self, row: Topic, data: bytes, problems: list[str], done: threading.Event) -> None:
         """On the topic, once whoever acts on it has been found."""

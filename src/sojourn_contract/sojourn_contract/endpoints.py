@@ -30,6 +30,7 @@ class Endpoints:
         outputs: rows that the node publishes, by topic. senders, readers: of the ROS library, by topic.
         wanted: topics on demand to which somebody listens.
         bundles: what goes to and comes from companions, nodes of the same run in other processes.
+        onlookers: consoles that alone hear some of the outputs.
     """
 
     def __init__(self, node: "ContractNode", take: Callable[[Topic, bytes], None]) -> None:
@@ -48,7 +49,7 @@ class Endpoints:
         self._neighbours: Neighbours | None = None
         self._near: Collection[str] = ()
         self._unheard: Collection[str] = ()
-        self._onlookers = Onlookers(node, {name: self.senders[name] for name in self._may_rest()})
+        self.onlookers = Onlookers(node, self._rows_that_may_wait(), self.senders)
         self._on_demand = [name for name, row in self.outputs.items() if row.on_demand]
 
     def join(self, neighbours: Neighbours, roles: Collection[str]) -> list[str]:
@@ -69,7 +70,7 @@ class Endpoints:
             self._unheard = {
                 name for name, count in counts.items() if not count and not self._listeners(self.outputs[name])
             }
-            self._onlookers.look(counts)
+            self.onlookers.look(counts)
 
     def send(self, topic: str, message: Message) -> None:
         """To the neighbours, to companions in the bundle, and on its topic to all others who listen."""
@@ -78,7 +79,7 @@ class Endpoints:
             self._node.words.hear(row, message)
         if self._neighbours is not None:
             self._neighbours.say(row, message)
-        is_silent = topic in self._unheard or self._onlookers.rests(topic)
+        is_silent = topic in self._unheard or self.onlookers.takes(topic, message)
         if self._neighbours is not None and is_silent:
             return
         data, sender = encode(row, message), self.senders[topic]
@@ -89,6 +90,7 @@ class Endpoints:
 
     def await_arrival(self, seconds: float) -> None:
         """Wait until what has been said last is with those who hear it, so long at most [s]."""
+        self.onlookers.looks.send()
         for sender in (*self.bundles.senders(), self.senders["/diagnostics"]):
             sender.wait_for_all_acked(Duration(seconds=seconds))
 
@@ -105,11 +107,10 @@ class Endpoints:
                 missing.append(f"{name} is not heard by all of {', '.join(listeners)}")
         return missing
 
-    def _may_rest(self) -> list[str]:
-        """Topics of which not every message has to be said to somebody who only looks on."""
-        if not self._node.lockstep:
-            return []
-        return [name for name, row in self.outputs.items() if not row.is_event and row.publisher != "all"]
+    def _rows_that_may_wait(self) -> dict[str, Topic]:
+        """Topics of which onlookers are told as often as they look: in lock-step what is said at a rate."""
+        rows = self.outputs if self._node.lockstep else {}
+        return {name: row for name, row in rows.items() if not row.is_event and row.publisher != "all"}
 
     def _listeners(self, row: Topic) -> list[str]:
         """Roles that hear a row on its topic. Heartbeats and goals all do."""

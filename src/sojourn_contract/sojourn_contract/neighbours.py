@@ -29,6 +29,7 @@ class Neighbours:
         """Whether something has been sent over the middleware that a neighbour may have to hear before it goes on."""
         roles = {node.role for node in nodes}
         for node in nodes:
+            node.endpoints.onlookers.looks = nodes[0].endpoints.onlookers.looks
             for name in node.endpoints.join(self, roles):
                 self._takers.setdefault(name, []).append(node)
 

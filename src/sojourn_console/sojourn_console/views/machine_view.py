@@ -11,7 +11,7 @@ from sojourn_console.views.view import wxyz
 from sojourn_console.world import World
 from sojourn_machine.params import FloatArray
 
-LEAST = 1e-5
+LEAST = 1e-4
 """Change of a place or of a quaternion below which it is not sent again."""
 
 
