@@ -1,9 +1,12 @@
 """To whom a fast run speaks as often as they look: consoles, where nobody else hears a topic."""
 
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import rclpy
+from node_bench import Bench
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from sojourn_console.live_feed import ROLE
@@ -11,8 +14,11 @@ from sojourn_contract import onlookers, qos
 from sojourn_contract.bundles import unpack
 from sojourn_contract.codecs import decode
 from sojourn_contract.onlookers import ASK_S, LOOK_S, Onlookers, looks_of
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topics import topic
-from sojourn_contract.values import Clock
+from sojourn_contract.types import message_class
+from sojourn_contract.values import Clock, Path
+from sojourn_drive.node import DriveNode
 
 ROW = topic("/clock")
 
@@ -147,3 +153,22 @@ def test_one_node_of_a_process_sends_for_all(clock: list[float]) -> None:
 def test_a_reader_with_best_effort_is_best_effort() -> None:
     profile = qos.looking()
     assert profile.reliability is ReliabilityPolicy.BEST_EFFORT and profile.depth == 1
+
+
+def test_a_node_of_a_run_in_processes_tells_a_console_once(bench: Bench) -> None:
+    """What no companion hears goes in no bundle of theirs, and was sent on its topic besides."""
+    node = bench.start(DriveNode, "plant", "drive", companions=["plant", "drive"])
+    plan, looks, message = node.endpoints.outputs["/plan"], looks_of("drive"), Path(CONTROL_PERIOD_NS, "map", ())
+    assert node.endpoints.bundles.listeners and not node.endpoints.bundles.carries(plan, message)
+    console = rclpy.create_node(ROLE, context=bench.context, enable_rosout=False, start_parameter_services=False)
+    bench.executor.add_node(console)
+    heard = list[str]()
+    for row, profile in ((looks, onlookers.quality(looks)), (plan, LISTENS.qos_profile)):
+        hear = partial(lambda name, _data: heard.append(name), row.name)
+        console.create_subscription(message_class(row.type), row.name.lstrip("/"), hear, profile, raw=True)
+    bench.until(lambda: node.endpoints.onlookers._in_full, "the console is seen")
+    node.endpoints.send(plan.name, message)
+    bench.until(lambda: heard, "it is told")
+    bench.spin(0.5)
+    console.destroy_node()
+    assert heard == [looks.name]

@@ -80,13 +80,11 @@ class Endpoints:
         if self._neighbours is not None:
             self._neighbours.say(row, message)
         is_silent = topic in self._unheard or self.onlookers.takes(topic, message)
-        if self._neighbours is not None and is_silent:
-            return
-        data, sender = encode(row, message), self.senders[topic]
+        sender = None if is_silent else self.senders[topic]
         if self.bundles.carries(row, message):
-            self.bundles.say(row, data, None if is_silent else sender)
-        else:
-            sender.publish(data)
+            self.bundles.say(row, encode(row, message), sender)
+        elif sender is not None:
+            sender.publish(encode(row, message))
 
     def await_arrival(self, seconds: float) -> None:
         """Wait until what has been said last is with those who hear it, so long at most [s]."""
