@@ -2,12 +2,10 @@
 
 import argparse
 import os
-import signal
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 
 from sojourn_bags.errors import BagsError, UnansweredError
 from sojourn_bags.reading import Bag
@@ -17,6 +15,7 @@ from sojourn_bags.run_configuration import RunConfiguration, run_configuration
 from sojourn_bringup.candidate_process import ProcessCandidate
 from sojourn_bringup.instance import RoleTokens
 from sojourn_config.command_errors import CommandError, UsageError
+from sojourn_config.interruption import ended_by_signals
 from sojourn_config.ros_environment import ros_variables
 
 
@@ -54,18 +53,3 @@ def bench(
         raise CommandError(str(error)) from error
     except BagsError as error:
         raise UsageError(str(error)) from error
-
-
-@contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """SIGTERM and SIGHUP end the program as Ctrl-C does: after everything that it has started."""
-
-    def interrupt(_number: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -36,7 +36,7 @@ def quality(row: Topic) -> Any:
     return qos.profile(row, True, "recorder")
 
 
-class Looks:
+class LookSender:
     """What waits for the next look at a node, or at all of a process, which send it together.
 
     Args:
@@ -93,7 +93,7 @@ class Onlookers:
 
     def __init__(self, node: Any, rows: Mapping[str, Topic], senders: Mapping[str, Any]) -> None:
         self._node, self._rows, self._senders = node, rows, senders
-        self.looks = Looks(node)
+        self.looks = LookSender(node)
         self._in_full: dict[str, bool] = {}
         """Topics that consoles alone hear, and whether one of them wants every message."""
         self._asked = 0.0

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
 
@@ -17,6 +18,7 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
+from sojourn_config.interruption import ended_by_signals
 from sojourn_config.ros_environment import own_environment, ros_variables
 
 START_S, SILENCE_S = 600, 120
@@ -50,6 +52,7 @@ class ProbedStack:
         self._command += ["--start-timeout", str(START_S), "--lockstep-timeout", str(SILENCE_S)]
         self._domain, self.run_dir = domain, run_dir
         self._log = run_dir.with_suffix(".log")
+        self._signals = ExitStack()
 
     def __enter__(self) -> Self:
         environment = own_environment(os.environ, ros_variables(self._domain))
@@ -57,10 +60,12 @@ class ProbedStack:
             self._process = subprocess.Popen(
                 self._command, stdout=log, stderr=subprocess.STDOUT, env=environment, start_new_session=True
             )
+        self._signals.enter_context(ended_by_signals())
         return self
 
     def __exit__(self, *_error: object) -> None:
-        self.end()
+        with self._signals:
+            self.end()
 
     def end(self) -> int:
         """Interrupt it where it still runs, and wait. Its exit status."""
