@@ -82,6 +82,7 @@ class Speaker:
         node = rclpy.create_node("sojourn_plant", context=self._context, enable_rosout=False)
         self.create_publisher = node.create_publisher
         self.get_subscriptions_info_by_topic = node.get_subscriptions_info_by_topic
+        self.resolve_topic_name = node.resolve_topic_name
         self._rows = {name: STANDARD.topic(name) for name in (CLOCK, "/odom", "/joint_states")}
         self._messages = {name: decode(row, whole(row)) for name, row in self._rows.items()}
         self._senders = {name: self._sender(row) for name, row in self._rows.items()}

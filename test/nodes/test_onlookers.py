@@ -1,6 +1,7 @@
 """To whom a fast run speaks as often as they look: consoles, where nobody else hears a topic."""
 
 from functools import partial
+from itertools import count
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,7 +10,6 @@ import rclpy
 from node_bench import Bench
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from sojourn_console.live_feed import ROLE
 from sojourn_contract import onlookers, qos
 from sojourn_contract.bundles import unpack
 from sojourn_contract.codecs import decode
@@ -28,7 +28,7 @@ class Graph:
 
     topic_name, role = ROW.name, "plant"
 
-    def __init__(self, *listeners: Any, reached: int = 9) -> None:
+    def __init__(self, *listeners: Any, reached: int = 2) -> None:
         self.listeners, self.reached = listeners, reached
         self.asked, self.senders = 0, 0
         self.published: list[list[int]] = []
@@ -39,9 +39,14 @@ class Graph:
         return {ROW.name: len(self.listeners)}
 
     def get_subscriptions_info_by_topic(self, name: str) -> tuple[Any, ...]:
+        if name == looks_of(self.role).name:
+            return tuple(reader(number, LISTENS.qos_profile) for number in CONSOLES)
         assert name == self.topic_name
         self.asked += 1
         return self.listeners
+
+    def resolve_topic_name(self, name: str) -> str:
+        return f"/{name}"
 
     def create_publisher(self, kind: Any, name: str, quality: QoSProfile) -> Any:
         assert name == "_looks/plant" and quality.reliability is ReliabilityPolicy.RELIABLE
@@ -54,13 +59,16 @@ class Graph:
         self.published.append([decode(ROW, content).stamp for _, content in said])
 
 
-def listener(name: str, profile: QoSProfile) -> Any:
-    return SimpleNamespace(node_name=name, qos_profile=profile)
+def reader(participant: int, profile: QoSProfile) -> Any:
+    """One of a participant, of which each has a number of its own."""
+    return SimpleNamespace(endpoint_gid=[*[participant] * 12, *next(NUMBERS).to_bytes(4)], qos_profile=profile)
 
 
-LOOKS = listener(ROLE, qos.looking())
-LISTENS = listener(ROLE, qos.profile(ROW, lockstep=True))
-STRANGER = listener("rviz", qos.looking())
+NUMBERS = count()
+CONSOLES = 1, 2
+LOOKS = reader(1, qos.looking())
+LISTENS = reader(2, qos.profile(ROW, lockstep=True))
+STRANGER = reader(3, qos.looking())
 
 
 @pytest.fixture
@@ -98,15 +106,15 @@ def test_who_wants_everything_is_told_everything_as_often_as_it_looks(clock: lis
     assert [stamp for stamps in graph.published for stamp in stamps] == list(range(3000))
 
 
-@pytest.mark.parametrize("besides", [STRANGER, listener("drive", LISTENS.qos_profile)])
+@pytest.mark.parametrize("besides", [STRANGER, reader(4, LISTENS.qos_profile)])
 def test_whoever_listens_besides_hears_everything_and_at_once(clock: list[float], besides: Any) -> None:
     graph = Graph(LOOKS, besides)
     assert spoken(graph, clock, 1.0) == list(range(1000))
-    assert not graph.published and not graph.senders
+    assert not graph.published
 
 
 def test_a_console_that_is_not_reached_yet_hears_the_topic(clock: list[float]) -> None:
-    graph = Graph(LOOKS, LISTENS, reached=1)
+    graph = Graph(LOOKS, reached=1)
     assert spoken(graph, clock, 1.0) == list(range(1000)) and not graph.published
 
 
@@ -160,7 +168,7 @@ def test_a_node_of_a_run_in_processes_tells_a_console_once(bench: Bench) -> None
     node = bench.start(DriveNode, "plant", "drive", companions=["plant", "drive"])
     plan, looks, message = node.endpoints.outputs["/plan"], looks_of("drive"), Path(CONTROL_PERIOD_NS, "map", ())
     assert node.endpoints.bundles.listeners and not node.endpoints.bundles.carries(plan, message)
-    console = rclpy.create_node(ROLE, context=bench.context, enable_rosout=False, start_parameter_services=False)
+    console = rclpy.create_node("page", context=bench.context, enable_rosout=False, start_parameter_services=False)
     bench.executor.add_node(console)
     heard = list[str]()
     for row, profile in ((looks, onlookers.quality(looks)), (plan, LISTENS.qos_profile)):

@@ -4,17 +4,16 @@ In lock-step a run goes many times as fast as its clock. To send each message by
 every dozen periods costs the loop more than all that the page does. So what a node says on topics that consoles alone
 hear goes as often as they look, by the wall clock, in one message on the hidden topic `_looks/ROLE`: of a topic that
 one of them hears reliably all that was said since, of any other the newest. Of nodes in one process one sends for all.
-Whoever else listens to a topic is sent every message of it, consoles too.
+Whoever hears that topic is an onlooker; a topic to which anybody else listens is sent in full, to consoles too.
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sojourn_contract import qos
 from sojourn_contract.bundles import pack
 from sojourn_contract.codecs import encode
-from sojourn_contract.link_topics import BY_HAND
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
@@ -23,6 +22,7 @@ LOOK_S = 0.03
 """Wall time between two messages to onlookers [s]."""
 ASK_S = 0.5
 """Wall time between two questions of who hears a topic [s]: to ask takes a tenth of a millisecond."""
+PREFIX_BYTES = 12
 
 
 def looks_of(role: str) -> Topic:
@@ -56,13 +56,16 @@ class LookSender:
         """Whether it is time for the next."""
         return time.monotonic() >= self._sent + LOOK_S
 
-    def reached(self) -> int:
-        """How many consoles are told."""
-        if self._sender is None:
-            row = looks_of(self._node.role)
-            self._sender = self._node.create_publisher(message_class(row.type), row.name.lstrip("/"), quality(row))
-        count: int = self._sender.get_subscription_count()
-        return count
+    def told(self) -> frozenset[bytes]:
+        """Participants that hear what is sent; none until all who want to are reached."""
+        row = looks_of(self._node.role)
+        name = row.name.lstrip("/")
+        readers = self._node.get_subscriptions_info_by_topic(self._node.resolve_topic_name(name))
+        if readers and self._sender is None:
+            self._sender = self._node.create_publisher(message_class(row.type), name, quality(row))
+        if not readers or self._sender.get_subscription_count() < len(readers):
+            return frozenset()
+        return frozenset(map(_participant, readers))
 
     def put(self, row: Topic, message: Message, in_full: bool) -> None:
         """Have a message wait, beside those of its topic before it or in their place; send what waits if it is time."""
@@ -118,18 +121,22 @@ class Onlookers:
 
     def _ask(self) -> None:
         """Who hears each topic now."""
-        heard = {name: self._consoles(name) for name in self._rows if self._counts[name]}
-        alone = {name: consoles for name, consoles in heard.items() if consoles}
-        reached = self.looks.reached() if alone else 0
-        in_full = {name: any(map(_is_reliable, each)) for name, each in alone.items() if len(each) <= reached}
+        told = self.looks.told()
+        heard = {name: self._readers(name) for name in self._rows if self._counts[name]} if told else {}
+        alone = {name: readers for name, readers in heard.items() if told.issuperset(map(_participant, readers))}
+        in_full = {name: any(map(_is_reliable, readers)) for name, readers in alone.items() if readers}
         if in_full != self._in_full:
             self.looks.send()  # or what waits would come after what is sent from now on
             self._in_full = in_full
 
-    def _consoles(self, topic: str) -> list[Any]:
-        """Readers of a topic, if all are of consoles."""
-        readers: list[Any] = self._node.get_subscriptions_info_by_topic(self._senders[topic].topic_name)
-        return readers if all(reader.node_name == BY_HAND for reader in readers) else []
+    def _readers(self, topic: str) -> Sequence[Any]:
+        readers: Sequence[Any] = self._node.get_subscriptions_info_by_topic(self._senders[topic].topic_name)
+        return readers
+
+
+def _participant(reader: Any) -> bytes:
+    """Whose a reader is: the first twelve bytes of its number (Real-time Publish-Subscribe protocol 2.5, 9.3.1)."""
+    return bytes(reader.endpoint_gid[:PREFIX_BYTES])
 
 
 def _is_reliable(reader: Any) -> bool:
