@@ -30,7 +30,7 @@ class Graph:
 
     def __init__(self, *listeners: Any, reached: int = 2) -> None:
         self.listeners, self.reached = listeners, reached
-        self.asked, self.senders = 0, 0
+        self.asked, self.asked_of_looks, self.senders = 0, 0, 0
         self.published: list[list[int]] = []
         """Of each message to onlookers the stamps in it."""
 
@@ -40,6 +40,7 @@ class Graph:
 
     def get_subscriptions_info_by_topic(self, name: str) -> tuple[Any, ...]:
         if name == looks_of(self.role).name:
+            self.asked_of_looks += 1
             return tuple(reader(number, LISTENS.qos_profile) for number in CONSOLES)
         assert name == self.topic_name
         self.asked += 1
@@ -111,6 +112,12 @@ def test_whoever_listens_besides_hears_everything_and_at_once(clock: list[float]
     graph = Graph(LOOKS, besides)
     assert spoken(graph, clock, 1.0) == list(range(1000))
     assert not graph.published
+
+
+def test_where_nobody_listens_nobody_asks_who_looks(clock: list[float]) -> None:
+    graph = Graph()
+    assert spoken(graph, clock, 1.0) == list(range(1000))
+    assert not graph.asked and not graph.asked_of_looks and not graph.senders
 
 
 def test_a_console_that_is_not_reached_yet_hears_the_topic(clock: list[float]) -> None:

@@ -121,8 +121,9 @@ class Onlookers:
 
     def _ask(self) -> None:
         """Who hears each topic now."""
-        told = self.looks.told()
-        heard = {name: self._readers(name) for name in self._rows if self._counts[name]} if told else {}
+        names = [name for name in self._rows if self._counts[name]]
+        told = self.looks.told() if names else frozenset()
+        heard = {name: self._readers(name) for name in names} if told else {}
         alone = {name: readers for name, readers in heard.items() if told.issuperset(map(_participant, readers))}
         in_full = {name: any(map(_is_reliable, readers)) for name, readers in alone.items() if readers}
         if in_full != self._in_full:
