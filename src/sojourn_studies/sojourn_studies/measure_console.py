@@ -1,17 +1,21 @@
 """Measures by how much an open page slows a stack.
 
-    scripts/lib/python -m sojourn_studies.measure_console              # ten runs in turns, with the page and without
-    scripts/lib/python -m sojourn_studies.measure_console mars_sol --processes --pairs 3
+    scripts/lib/python -m sojourn_studies.measure_console              # the page opened and closed eight times
+    scripts/lib/python -m sojourn_studies.measure_console mars_sol --processes --times 3
 
-The page is read by one who draws nothing, as a browser reads it whose pictures a graphics card makes. Told are seconds
-of simulation in a second of wall time in each pair of runs, and the median part by which the one with the page is
-slower.
+The page is opened and closed beside one run in lock-step, in which the rover drives to and fro: a machine that grows
+slower or faster within minutes tells for neither, since each time with the page is set against those before and after
+it. The page is read by one who draws nothing, as a browser reads it whose pictures a graphics card makes. Told are
+seconds of simulation in a second of wall time, and the mean part by which the run is slower with the page, with the
+standard deviation of that mean.
 """
 
 import argparse
+import math
 import re
 import tempfile
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,12 +26,17 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from sojourn_config import command_line
-from sojourn_studies.probed_stack import ENDED, START_S, ProbedStack, add_options, probed
+from sojourn_config.command_errors import CommandError
+from sojourn_studies.bag_clock import BagClock
+from sojourn_studies.probed_program import ProbedProgram
+from sojourn_studies.probed_stack import SUPPLIED, ProbedStack, add_options, probed, to_and_fro
 
 ADDRESS = re.compile(r"http://(127\.0\.0\.1:\d+/[\w-]+/)")
 MOST_SLOWER = 0.05
-PART_S = 180.0
-"""Of each run, in simulation [s]."""
+SETTLES_S, WINDOW_S = 6.0, 12.0
+"""Wall time before a pace is taken, and over which it is taken [s]."""
+DRIVES = 1000
+"""More than a run of that length has."""
 
 
 @contextmanager
@@ -55,46 +64,60 @@ def reader(address: str) -> Iterator[list[int]]:
         thread.join()
 
 
-def pace(stack: ProbedStack) -> float:
-    """Seconds of simulation in one of wall time, of a run that ends by itself. Raises CommandError."""
-    found = stack.wait_for(ENDED.pattern, START_S)
-    return float(found[1]) / float(found[2])
+@contextmanager
+def page(stack: ProbedStack, log: Path) -> Iterator[list[int]]:
+    """The page of a running stack and one who reads it. log: for what it says. Yields as `reader` does."""
+    options = ["--run-dir", str(stack.run_dir)]
+    with (
+        ProbedProgram("sojourn_console.console", options, stack.domain, log) as program,
+        reader(program.wait_for(ADDRESS.pattern)[1]) as read,
+    ):
+        yield read
 
 
-def paced(given: argparse.Namespace, with_page: bool, run_dir: Path) -> tuple[float, int]:
-    """Pace of one run, and how many bytes of its page were read."""
-    layout = ["--processes" if given.processes else "--composed", *(["--console"] if with_page else [])]
-    with probed(given, layout, (f"duration_limit_s={PART_S:g}",), run_dir) as stack:
-        if not with_page:
-            return pace(stack), 0
-        address = stack.wait_for(ADDRESS.pattern)[1]
-        with reader(address) as read:
-            return pace(stack), read[0]
+def pace(clock: BagClock) -> float:
+    """Seconds of simulation in one of wall time, over a while and after a while."""
+    time.sleep(SETTLES_S)
+    begin = clock.read()
+    time.sleep(WINDOW_S)
+    return begin.pace(clock.read())
+
+
+def paced(given: argparse.Namespace, folder: Path) -> Iterator[tuple[float, float, float]]:
+    """Pace before, with and after each time that the page is open."""
+    layout = ["--processes" if given.processes else "--composed"]
+    with probed(given, layout, to_and_fro(DRIVES), folder / "run") as stack:
+        stack.wait_for(r": running")
+        clock = BagClock(stack.run_dir)
+        before = pace(clock)
+        for number in range(given.times):
+            with page(stack, folder / f"page-{number}.log") as read:
+                opened = pace(clock)
+            if not read[0]:
+                raise CommandError("the page has shown nothing")
+            after = pace(clock)
+            yield before, opened, after
+            before = after
 
 
 def measure(given: argparse.Namespace, folder: Path) -> bool:
     """Measure and print; whether the page slows the stack by no more than it may."""
     slower = []
-    for number in range(given.pairs):
-        first = number % 2 == 1  # in turns, so that a machine that grows slower tells for neither
-        paces = {page: paced(given, page, folder / f"{number}-{page:d}") for page in (first, not first)}
-        slower.append(paces[False][0] / paces[True][0] - 1.0)
-        megabytes = paces[True][1] / 1e6
-        print(
-            f"{paces[False][0]:.2f} without, {paces[True][0]:.2f} with the page, of which {megabytes:.1f} MB were read"
-        )
-    median = float(np.median(slower))
-    print(f"slower by {100.0 * median:+.1f} % in the median of {given.pairs} pairs")
-    return median <= MOST_SLOWER
+    for before, opened, after in paced(given, folder):
+        slower.append(0.5 * (before + after) / opened - 1.0)
+        print(f"{before:.2f} before, {opened:.2f} with the page, {after:.2f} after it: {100.0 * slower[-1]:+.1f} %")
+    mean, deviation = float(np.mean(slower)), float(np.std(slower)) / math.sqrt(max(1, len(slower) - 1))
+    print(f"slower by {100.0 * mean:+.1f} % in the mean of {len(slower)}, standard deviation {100.0 * deviation:.1f} %")
+    return mean <= MOST_SLOWER
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; status 1 where the page slows the stack by more than it may."""
     parser = command_line.Parser(prog="measure_console", description="By how much an open page slows a stack.")
-    add_options(parser, "lunar_sample")
+    add_options(parser, SUPPLIED)
     parser.add_argument("--processes", action="store_true", help="each node in a process of its own")
     parser.add_argument(
-        "--pairs", type=command_line.count, default=5, metavar="N", help="of runs (default: %(default)s)"
+        "--times", type=command_line.count, default=8, metavar="N", help="the page is opened (default: %(default)s)"
     )
     given = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory(prefix="sojourn-console-") as folder:

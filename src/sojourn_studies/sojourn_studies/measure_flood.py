@@ -37,7 +37,8 @@ from sojourn_contract.values import DiagnosticArray, Odometry
 from sojourn_operator.desk import Desk
 from sojourn_studies.hostile_messages import spoiled, whole
 from sojourn_studies.memory_growth import Sample, told
-from sojourn_studies.probed_stack import START_S, WAITING, ProbedStack, add_options, bag_of, probed
+from sojourn_studies.probed_program import START_S
+from sojourn_studies.probed_stack import WAITING, ProbedStack, add_options, bag_of, probed
 
 LISTEN_S, AFTER_S = 3.0, 60.0
 """Wall time for hearing what a run says, and after which it is held for dead after the flood [s]."""

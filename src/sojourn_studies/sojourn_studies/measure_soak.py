@@ -17,12 +17,10 @@ from sojourn_bags.summary import summarise
 from sojourn_bags.summary_reading import read_for_summary
 from sojourn_config import command_line
 from sojourn_studies.memory_growth import Sample, growth, told
-from sojourn_studies.probed_stack import ProbedStack, add_options, bag_of, probed
+from sojourn_studies.probed_stack import SUPPLIED, ProbedStack, add_options, bag_of, probed, to_and_fro
 
 EVERY_S, WAIT_S, LEAP_S = 1800.0, 1700.0, 1200.0
 """From one drive to the next, of which it waits so long, and by how much the clock leaps then at most [s]."""
-SUPPLIED = "isotope_sol"
-"""A scenario whose machine has power for that by day and by night."""
 LOOK_S = 2.0
 MOST_GROWTH = 0.01
 
@@ -30,11 +28,7 @@ MOST_GROWTH = 0.01
 def day(hours: float) -> list[str]:
     """What a run does for so long, as changes of its scenario."""
     drives = max(1, round(hours * 3600.0 / EVERY_S))
-    steps = [
-        f"{{drive_to: {{x: {1.0 - 2.0 * (number % 2)}, y: 0.0}}, timeout_s: 300}}, {{wait_s: {WAIT_S}}}"
-        for number in range(drives)
-    ]
-    return [f"steps=[{', '.join(steps)}]", "duration_limit_s=1e6", f"leaps={{longest_s: {LEAP_S}}}"]
+    return [*to_and_fro(drives, f"{{wait_s: {WAIT_S}}}"), f"leaps={{longest_s: {LEAP_S}}}"]
 
 
 def soak(stack: ProbedStack) -> list[Sample]:

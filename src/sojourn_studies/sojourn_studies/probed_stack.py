@@ -1,16 +1,9 @@
 """A running stack, as a user starts it, to which somebody does something: its processes, its words, its record."""
 
 import argparse
-import os
 import re
-import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from pathlib import Path
-from typing import Self
 
 import psutil
 
@@ -18,16 +11,14 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
-from sojourn_config.interruption import ended_by_signals
-from sojourn_config.ros_environment import own_environment, ros_variables
+from sojourn_studies.probed_program import START_S, ProbedProgram
 
-START_S, SILENCE_S = 600, 120
-"""Wall time within which it has to run, and after which it ends where a node is silent [s]: a machine may be busy."""
-END_S = 120.0
-"""Wall time that it has to end after SIGINT; its recorder finishes the bag within that."""
+SILENCE_S = 120
+"""Wall time after which it ends where a node is silent [s]: a machine may be busy."""
 WAITING = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
 """Changes of a scenario whose operator does nothing: all that happens to its run comes from elsewhere."""
-LOOK_S = 0.005
+SUPPLIED = "isotope_sol"
+"""A scenario whose machine has power for driving by day and by night."""
 NODE = re.compile(r"^(\w+) \(process (\d+)\): ", re.MULTILINE)
 """What a stack says of a node begins so."""
 ENDED = re.compile(r" after ([0-9.]+) s of simulation, ([0-9.]+) s of wall time$", re.MULTILINE)
@@ -36,7 +27,7 @@ TITLE = "sojourn_"
 """Beginning of what nodes call themselves, before their role."""
 
 
-class ProbedStack:
+class ProbedStack(ProbedProgram):
     """A stack in processes of its own. A context manager: it is ended with it.
 
     Args:
@@ -46,67 +37,13 @@ class ProbedStack:
         run_dir: as given.
     """
 
+    name = "stack"
+
     def __init__(self, options: Sequence[str], domain: int, run_dir: Path) -> None:
-        self._command = [sys.executable, "-m", "sojourn_bringup.start", *options]
-        self._command += ["--domain", str(domain), "--run-dir", str(run_dir)]
-        self._command += ["--start-timeout", str(START_S), "--lockstep-timeout", str(SILENCE_S)]
-        self._domain, self.run_dir = domain, run_dir
-        self._log = run_dir.with_suffix(".log")
-        self._signals = ExitStack()
-
-    def __enter__(self) -> Self:
-        environment = own_environment(os.environ, ros_variables(self._domain))
-        with self._log.open("wb") as log:
-            self._process = subprocess.Popen(
-                self._command, stdout=log, stderr=subprocess.STDOUT, env=environment, start_new_session=True
-            )
-        self._signals.enter_context(ended_by_signals())
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        with self._signals:
-            self.end()
-
-    def end(self) -> int:
-        """Interrupt it where it still runs, and wait. Its exit status."""
-        if self.runs:
-            self._process.send_signal(signal.SIGINT)
-        return self.wait()
-
-    def wait(self) -> int:
-        """Until it ends by itself; kill it where it does not. Its exit status."""
-        try:
-            return self._process.wait(END_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            return self._process.wait()
-
-    @property
-    def words(self) -> str:
-        """What it has said so far."""
-        return self._log.read_text(encoding="utf-8", errors="replace")
-
-    @property
-    def runs(self) -> bool:
-        """Whether it has not ended."""
-        return self._process.poll() is None
-
-    def require_running(self) -> None:
-        """Raises CommandError with its last line where it has ended."""
-        if not self.runs:
-            said = self.words.strip().splitlines()
-            raise CommandError(f"the stack has ended: {said[-1] if said else 'it said nothing'}")
-
-    def wait_for(self, pattern: str, longest_s: float = START_S) -> re.Match[str]:
-        """Until it has said a pattern of one line. Raises CommandError where it has ended without, or not said it."""
-        end = time.monotonic() + longest_s
-        while not (found := re.search(pattern, self.words, re.MULTILINE)):
-            if not self.runs and not re.search(pattern, self.words, re.MULTILINE):
-                self.require_running()
-            if time.monotonic() > end:
-                raise CommandError(f"the stack has not said {pattern!r} within {longest_s:g} s")
-            time.sleep(LOOK_S)
-        return found
+        patience = ["--start-timeout", str(START_S), "--lockstep-timeout", str(SILENCE_S)]
+        module, log = "sojourn_bringup.start", run_dir.with_suffix(".log")
+        super().__init__(module, [*options, "--run-dir", str(run_dir), *patience], domain, log)
+        self.run_dir = run_dir
 
     @property
     def nodes(self) -> dict[str, int]:
@@ -123,6 +60,14 @@ class ProbedStack:
         except psutil.NoSuchProcess:
             pass
         return found
+
+
+def to_and_fro(drives: int, *between: str) -> list[str]:
+    """Changes of a scenario that has its machine drive two metres, again and again. between: steps after each drive."""
+    steps = []
+    for number in range(drives):
+        steps += [f"{{drive_to: {{x: {1.0 - 2.0 * (number % 2)}, y: 0.0}}, timeout_s: 300}}", *between]
+    return [f"steps=[{', '.join(steps)}]", "duration_limit_s=1e6"]
 
 
 def add_options(parser: argparse.ArgumentParser, scenario: str = "flat_drive") -> None:

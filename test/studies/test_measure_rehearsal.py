@@ -1,0 +1,73 @@
+"""How a rehearsal is judged: which goals are tried, what is foretold and taken, and what counts."""
+
+import argparse
+import itertools
+import math
+from contextlib import nullcontext
+from pathlib import Path
+
+import pytest
+
+from sojourn_config.scenario import load_scenario
+from sojourn_console.rehearsed import RECKONED, RehearsedDrive
+from sojourn_studies import measure_rehearsal
+from sojourn_studies.measure_rehearsal import FAR_M, Trial, goals, in_words, main, tried
+
+DRIVE = RehearsedDrive(RECKONED, "reached", time_s=100.0, length_m=10.2, energy_wh=4.0, is_over=True)
+SHORT = argparse.Namespace(scenario="flat_drive", machine=None, set=[], drives=1, first=1)
+
+
+def trial(answer_s: float = 2.0, time_s: float = 100.0, energy_wh: float = 4.0, state: str = "reached") -> Trial:
+    return Trial(DRIVE, answer_s, RehearsedDrive(state=state, time_s=time_s, length_m=10.0, energy_wh=energy_wh))
+
+
+def test_goals_lie_on_the_map_in_other_directions_for_each_seed() -> None:
+    loaded = load_scenario("flat_drive", ["start={x: -6, y: 2}"])
+    x_min, x_max, y_min, y_max = loaded.height_field().bounds
+    ways = [
+        [draft.points[0][:2] for draft, _ in itertools.islice(goals("flat_drive", loaded, seed), 5)] for seed in (1, 2)
+    ]
+    for x, y in itertools.chain.from_iterable(ways):
+        assert x_min <= x <= x_max and y_min <= y <= y_max
+        assert math.dist((x, y), (-6.0, 2.0)) == pytest.approx(FAR_M)
+    assert not set(ways[0]) & set(ways[1])
+
+
+def test_a_drive_is_foretold_and_then_driven_on_other_soil(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(measure_rehearsal, "FAR_M", 0.6)
+    found = tried(SHORT, 4)
+    assert found.foretold.state == found.taken.state == "reached" and found.answer_s > 0.0
+    assert 0.5 < found.taken.length_m < 1.0
+    assert abs(found.off[0]) < 0.5, "the time for which it stood before is no part of the drive"
+    assert found.taken.energy_wh != found.foretold.energy_wh
+
+
+@pytest.mark.parametrize(
+    ("one", "holds"),
+    [
+        (trial(), True),
+        (trial(time_s=92.0, energy_wh=4.3), True),
+        (trial(answer_s=3.1), False),
+        (trial(time_s=89.0), False),
+        (trial(energy_wh=4.5), False),
+        (trial(state="stopped"), False),
+    ],
+)
+def test_a_drive_holds_that_was_foretold_soon_and_within_a_tenth(one: Trial, holds: bool) -> None:
+    assert one.holds is holds
+
+
+def test_one_drive_that_was_not_foretold_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    class Standing:
+        def wait_for(self, _pattern: str) -> None: ...
+        def require_running(self) -> None: ...
+
+    monkeypatch.setattr(measure_rehearsal, "probed", lambda *_: nullcontext(Standing()))
+    monkeypatch.setattr(measure_rehearsal, "tried", lambda _given, seed: trial(energy_wh=5.0 if seed == 8 else 4.0))
+    assert main(["--drives", "2", "--first", "7"]) == 1
+    said = capsys.readouterr().out
+    assert "energy by 20.0 % at most" in said and "1 of 2" in said
+    assert main(["--drives", "1", "--first", "7"]) == 0
+    assert "(+0.0 %), 4.00 and 4.00 Wh (+0.0 %)" in in_words(7, trial())
