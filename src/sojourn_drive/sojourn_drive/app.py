@@ -61,7 +61,9 @@ class DriveApp(FlightApp[DriveAppState]):
         self._measurements = JointMeasurements(known.machine, self.model.mobility.joints, known.urdf_xml)
         self._sun = SunSightings(known)
         self._stereo = StereoInput(known)
-        self._charge = ChargeGauge(known.power_manager, self._measurements.loads)
+        costs = known.drive.energy
+        house_power = None if costs is None else costs.house_power
+        self._charge = ChargeGauge(known.power_manager, self._measurements.loads, house_power)
         self._interlock = ArmInterlock(known.arm)
         self._imu_load = known.sensors.powered_by.get("imu", "")
 
@@ -152,7 +154,7 @@ class DriveApp(FlightApp[DriveAppState]):
             power_limit=limit,
             dark=dark,
             interlock=self._interlock.why_not(inputs.get("/joint_states"), driving, heard.interlock),
-            supply=self._charge.supply([inputs.get(name) for name in self._charges], heard.supply),
+            supply=self._charge.supply([inputs.get(name) for name in self._charges], heard.supply, not driving),
             cloud=newest_cloud(inputs.get(CLOUD), heard.cloud),
         )
 

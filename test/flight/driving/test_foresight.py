@@ -75,6 +75,21 @@ def test_the_charge_at_the_end_is_the_reserve_where_all_above_it_is_used(model: 
     assert isinstance(found.answer, GoalOutcome) and " % margin" in found.answer.reason
 
 
+def test_what_sources_give_meanwhile_is_left_in_the_battery(model: DriveModel) -> None:
+    state, goal = model.initial_state(0.0, 0.0, 0.0), Goal.at(20.0, 0.0)
+    cost = foresee(model, state.avoidance, goal, state.odometry, None).forecast
+    assert cost is not None
+    told = {}
+    for part in (0.0, 0.5, 1.0, 10.0):  # of what the way takes
+        supply = EnergyLeft(2.0 * cost.total, 0.8, 0.2, 40.0, part * cost.total / cost.seconds)
+        told[part] = foresight_status(model, foresee(model, state.avoidance, goal, state.odometry, supply), supply)
+    assert [told[part]["asked_charge_at_end"] for part in told] == pytest.approx([0.5, 0.65, 0.8, 1.0])
+    assert len({told[part]["asked_energy_wh"] for part in told}) == 1, "the way takes as much from whatever gives it"
+    short = EnergyLeft(0.5 * cost.total, 0.8, 0.2, 40.0, 10.0 * cost.total / cost.seconds)
+    found = foresee(model, state.avoidance, goal, state.odometry, short)
+    assert isinstance(found.answer, GoalOutcome), "no goal is begun that needs the Sun to go on shining"
+
+
 def test_how_near_it_comes_to_its_limits_on_the_ground_that_has_been_seen(seen: Loop) -> None:
     """Straight up a slope the margin is what the climb leaves; to where the camera does not look nothing is known."""
     state, model = seen.drive, seen.model

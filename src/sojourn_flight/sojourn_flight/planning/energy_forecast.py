@@ -1,4 +1,4 @@
-"""What the way to a goal will take from the battery, before it starts; what it has taken; whether the charge suffices.
+"""What the way to a goal will take, before it starts; what it has taken; whether the charge suffices.
 
     E = sum over the stretches of e(grade) length  +  stops E_stop  +  turns E_turn  +  angle E_radian  +  P_house T
     T = sum over the stretches of t(grade) length  +  stops T_stop  +  turns T_turn  +  angle T_radian
@@ -9,7 +9,8 @@ grade, gears and motors are all in it (with work W = (R + m g sin a) / ((1 - s) 
 slip and eta the efficiency; Wong 2010, ch. 4). Beyond the measured grades it goes on as between the last two. A
 stretch whose climb is not known counts as level, which `margin` is for: a goal is refused if E (1 + margin) is more
 than what the battery holds above the reserve, at which the power manager takes the drive's power away. P_house is
-all that goes on whether the rover moves or not.
+all that goes on whether the rover moves or not. What sources give meanwhile spares the battery as much; it is told
+of the charge at the end alone: no goal is begun that needs the Sun to go on shining.
 
 Range: the soil and the machine of the measurement, at full speed; |grade| somewhat beyond those measured. Losses
 within the battery (about 1 %) are in the margin."""
@@ -39,7 +40,9 @@ class EnergyLeft:
     reserve: float
     """Charge now and at the reserve [1]."""
     power: float
-    """Taken from it now [W]."""
+    """Taken now, from it and from sources [W]."""
+    given: float = 0.0
+    """Of that by sources [W]."""
 
 
 class Forecast(NamedTuple):
@@ -67,7 +70,7 @@ class EnergyUse:
 
     forecast: Forecast | None = None
     used: float = 0.0
-    """Taken from the battery since the goal was accepted [J]."""
+    """Taken since the goal was accepted [J]."""
     judged: bool = True
     """The charge has been held against the forecast."""
 

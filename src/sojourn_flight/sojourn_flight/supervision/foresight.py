@@ -87,10 +87,11 @@ def foresight_status(model: DrivenMachine, found: Foresight, supply: EnergyLeft 
 
 
 def _charge_at_end(forecast: Forecast, supply: EnergyLeft) -> float:
-    """State of charge after the way, at least 0 [1]."""
+    """State of charge after the way, with what sources give now [1]."""
     if supply.left <= 0.0:
         return supply.soc
-    return max(supply.soc - (supply.soc - supply.reserve) * forecast.total / supply.left, 0.0)
+    taken = forecast.total - supply.given * forecast.seconds
+    return min(max(supply.soc - (supply.soc - supply.reserve) * taken / supply.left, 0.0), 1.0)
 
 
 def _tilt(avoidance: Avoidance, seen: AvoidanceState, path: PlannedPath) -> dict[str, str | float]:
