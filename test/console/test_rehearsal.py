@@ -3,6 +3,7 @@
 import json
 import math
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
 from sojourn_console.panels.goals import rehearsal_rows
 from sojourn_console.rehearsal import after, believed, rehearse
-from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive
+from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, middle
 from sojourn_console.rehearser import Rehearser
 from sojourn_contract.messages import contact_cloud
 from sojourn_contract.topics import topic
@@ -93,9 +94,50 @@ def test_what_depends_on_the_cameras_noise_is_told_as_a_spread() -> None:
     rehearser = Rehearser()
     drive = RehearsedDrive(RECKONED, "reached", time_s=100.0, energy_wh=3.0, is_over=True)
     rehearser.found = {RECKONED: drive}
-    rehearser.others = (replace(drive, look=1, time_s=101.0, energy_wh=3.9),)
+    rehearser.looks = (drive, replace(drive, look=1, time_s=101.0, energy_wh=3.9))
     rows = dict(rehearsal_rows(rehearser))
     assert rows["driven"].endswith("in 100 s") and rows["energy"] == "3.00 Wh (3.00 to 3.90)"
+    rehearser.looks = (*rehearser.looks, replace(drive, look=2, state="refused", time_s=20.0, energy_wh=0.5))
+    rows = dict(rehearsal_rows(rehearser))
+    assert rows[RECKONED] == "reached in 2 of 3" and rows["energy"] == "3.00 Wh (3.00 to 3.90)"
+
+
+def test_what_is_told_first_is_in_the_middle_of_all_looks_that_end_alike() -> None:
+    first = RehearsedDrive(RECKONED, "reached", time_s=160.0, is_over=True)
+    assert middle([first]) is first
+    slow, quick = replace(first, look=1, time_s=220.0), replace(first, look=2, time_s=120.0)
+    assert middle([first, slow]) is slow, "of two the slower, for whoever has to be home by dusk"
+    assert middle([first, slow, quick]) is first
+    stuck = [replace(first, look=look, state="failed", time_s=10.0 * look) for look in (3, 4)]
+    assert middle([first, slow, quick, *stuck]) is first
+    assert middle([first, *stuck]) is stuck[1]
+
+
+def test_a_program_that_reckons_is_told_by_its_middle_look() -> None:
+    looks = [RehearsedDrive(RECKONED, "reached", time_s=time_s, look=look, is_over=True) for look, time_s in TIMES]
+    under_way = RehearsedDrive(RECKONED, "moving", time_s=3.0, look=2)
+    lines = [json.dumps(vars(one)) for one in (*looks[:2], under_way, looks[2])]
+    rehearser, seen = Rehearser(), []
+
+    class Child:
+        @property
+        def stdout(self) -> Iterator[str]:
+            for line in lines:
+                yield line
+                seen.append(rehearser.found[RECKONED].time_s)
+
+        stderr = None
+
+        def wait(self) -> int:
+            return 0
+
+    rehearser._child = Child()  # type: ignore[assignment]
+    rehearser._listen(rehearser._child)  # type: ignore[arg-type]
+    assert seen == [122.0, 157.0, 157.0, 154.0] and not rehearser.is_under_way
+
+
+TIMES = ((0, 122.0), (1, 157.0), (2, 154.0))
+"""Of a drive to a goal behind a rock, as three looks had it."""
 
 
 def test_one_that_fails_says_why() -> None:

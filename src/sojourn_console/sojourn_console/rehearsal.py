@@ -44,7 +44,7 @@ BEARING_N = 5.0
 ROLLING = 0.02
 """Speed below which a wheel's slip says little: it is 1 when the machine begins to move [m/s]."""
 LONGEST_S = 7200.0
-LOOKS = 3
+LOOKS = 5
 """Times that a drive is reckoned, each with other noise of the camera."""
 TRUTHS_ALONE = ("faults", "soil", "rock_soil", *TRUTH_ALONE)
 """First words of what no machine believes."""

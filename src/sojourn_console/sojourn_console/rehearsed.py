@@ -1,6 +1,8 @@
 """What a rehearsal of a drive has found."""
 
 import math
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 RECKONED, SIMULATED = "reckoned", "simulated"
@@ -30,3 +32,15 @@ class RehearsedDrive:
     mode: str = ""
     is_over: bool = False
     look: int = 0
+
+
+def alike(looks: Sequence[RehearsedDrive]) -> list[RehearsedDrive]:
+    """Those that end as most do, the quickest first."""
+    end = Counter(found.state for found in looks).most_common(1)[0][0]
+    return sorted((found for found in looks if found.state == end), key=lambda found: found.time_s)
+
+
+def middle(looks: Sequence[RehearsedDrive]) -> RehearsedDrive:
+    """The one that is neither quick nor slow among those that end as most do; of two the slower."""
+    found = alike(looks)
+    return found[len(found) // 2]

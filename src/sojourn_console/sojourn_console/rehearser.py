@@ -8,7 +8,7 @@ import sys
 import threading
 from collections.abc import Sequence
 
-from sojourn_console.rehearsed import RehearsedDrive
+from sojourn_console.rehearsed import RECKONED, RehearsedDrive, middle
 
 MODULE = "sojourn_console.rehearsal"
 _NICE = 10
@@ -20,13 +20,13 @@ class Rehearser:
     """One rehearsal at a time; a new one ends the one before.
 
     Attributes:
-        found: newest of each means; of what is reckoned several times the first. others: the ends of the other times.
+        found: newest of each means; of what is reckoned several times the one in the middle. looks: the ends of those.
         problem: why there is none.
     """
 
     def __init__(self) -> None:
         self.found: dict[str, RehearsedDrive] = {}
-        self.others: tuple[RehearsedDrive, ...] = ()
+        self.looks: tuple[RehearsedDrive, ...] = ()
         self.problem = ""
         self._child: subprocess.Popen[str] | None = None
         self._ready: subprocess.Popen[str] | None = None
@@ -46,7 +46,7 @@ class Rehearser:
     def begin(self, scenario: str, overrides: Sequence[str]) -> None:
         """Rehearse from a scenario with what goes over its files."""
         self.end()
-        self.found, self.others, self.problem = {}, (), ""
+        self.found, self.looks, self.problem = {}, (), ""
         self.prepare()
         child, self._ready = self._ready, None
         if child is None or child.stdin is None:
@@ -79,10 +79,12 @@ class Rehearser:
         for line in child.stdout or ():
             if self._child is child:
                 found = RehearsedDrive(**json.loads(line))
-                if not found.look:
-                    self.found = {**self.found, found.means: found}
-                elif found.is_over:
-                    self.others = (*self.others, found)
+                if found.means == RECKONED and found.is_over:
+                    self.looks = (*self.looks, found)
+                    found = middle(self.looks)
+                elif found.look:
+                    continue
+                self.found = {**self.found, found.means: found}
         errors = child.stderr.read() if child.stderr is not None else ""
         if self._child is child:
             if child.wait():

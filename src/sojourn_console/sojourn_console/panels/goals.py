@@ -18,7 +18,7 @@ from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
 from sojourn_console.picking import met_by
 from sojourn_console.rehearsal import believed
-from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive
+from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, alike
 from sojourn_console.rehearser import Rehearser
 from sojourn_console.views.view import GREEN, Shown, segments
 from sojourn_console.views.way_view import on_ground
@@ -322,7 +322,7 @@ def foresight_rows(status: Mapping[str, str]) -> list[tuple[str, str]]:
 
 def rehearsal_rows(rehearser: Rehearser) -> list[tuple[str, str]]:
     """What a rehearsal has found so far, as names and values."""
-    rows = _found_rows(rehearser.found.get(RECKONED), rehearser.others)
+    rows = _found_rows(rehearser.found.get(RECKONED), rehearser.looks)
     rows += _found_rows(rehearser.found.get(SIMULATED))
     if rehearser.problem:
         return [*rows, (SIMULATED, rehearser.problem)]
@@ -331,23 +331,26 @@ def rehearsal_rows(rehearser: Rehearser) -> list[tuple[str, str]]:
     return rows
 
 
-def _found_rows(found: RehearsedDrive | None, others: Sequence[RehearsedDrive] = ()) -> list[tuple[str, str]]:
+def _found_rows(found: RehearsedDrive | None, looks: Sequence[RehearsedDrive] = ()) -> list[tuple[str, str]]:
     if found is None:
         return []
+    same = alike(looks) if looks else [found]
     state = found.state if found.is_over else f"{found.time_s:.0f} s so far"
+    if len(same) < len(looks):
+        state += f" in {len(same)} of {len(looks)}"
     charge = f", charge {found.charge:.1%}, {found.mode.lower()}" if math.isfinite(found.charge) else ""
     slip = f", slip {found.slip:.0%}" if found.means == SIMULATED else ""
     return [
         (found.means, f"{state}: {found.reason}" if found.reason else state),
-        ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s{_spread('time_s', found, others, '.0f')}"),
-        ("energy", f"{found.energy_wh:.2f} Wh{_spread('energy_wh', found, others, '.2f')}{charge}"),
+        ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s{_spread('time_s', same, '.0f')}"),
+        ("energy", f"{found.energy_wh:.2f} Wh{_spread('energy_wh', same, '.2f')}{charge}"),
         ("worst", f"tilt {found.tilt_deg:.1f}°{slip}"),
     ]
 
 
-def _spread(name: str, found: RehearsedDrive, others: Sequence[RehearsedDrive], form: str) -> str:
+def _spread(name: str, looks: Sequence[RehearsedDrive], form: str) -> str:
     """By how much a figure differs from time to time; nothing where it hardly does."""
-    values = [getattr(one, name) for one in (found, *others)]
+    values = [getattr(one, name) for one in looks]
     low, high = min(values), max(values)
     return f" ({low:{form}} to {high:{form}})" if high > (1.0 + APART) * low else ""
 
