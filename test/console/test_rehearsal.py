@@ -14,7 +14,8 @@ from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
 from sojourn_console.panels.goals import rehearsal_rows
-from sojourn_console.rehearsal import after, believed, rehearse
+from sojourn_console.reckoning import reckon
+from sojourn_console.rehearsal import STANDS_S, Now, after, believed, rehearse
 from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, middle
 from sojourn_console.rehearser import Rehearser
 from sojourn_contract.messages import contact_cloud
@@ -24,6 +25,7 @@ from sojourn_contract.values import Odometry
 HALF = math.sin(math.pi / 8)
 HERE = BasePose(np.array([1.0, -2.0, 0.5]), np.array([0.0, 0.0, HALF, math.cos(math.pi / 8)]))
 GOAL = Draft("drive", ((1.2, -1.8, 0.0),))
+FLAT = load_scenario("flat_drive")
 
 
 def test_the_world_of_a_rehearsal_is_what_is_believed() -> None:
@@ -35,22 +37,46 @@ def test_the_world_of_a_rehearsal_is_what_is_believed() -> None:
         "belief.battery.capacity_ah=20",
         "rock_soil.k_c=1",
     ]
-    found = believed(told, HERE, 0.6, GOAL)
+    found = believed(load_scenario("flat_drive", told), Now(HERE, 0.6), GOAL)
     assert found[:2] == ["machine=skid", "battery.capacity_ah=20"] and not any("k_c" in text for text in found)
     values = dict(text.split("=", 1) for text in found)
     assert json.loads(values["start"]) == pytest.approx({"x": 1.0, "y": -2.0, "yaw": math.pi / 4})
     assert float(values["battery_soc"]) == 0.6
-    (step,) = json.loads(values["steps"])
-    assert step["drive_to"] == {"x": 1.2, "y": -1.8}
+    first, step = json.loads(values["steps"])
+    assert first == {"wait_s": STANDS_S} and step["drive_to"] == {"x": 1.2, "y": -1.8}
     route = Draft("route", ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0)), yaw=0.5)
-    (step,) = json.loads(dict(text.split("=", 1) for text in believed([], HERE, 0.6, route))["steps"])
+    _, step = json.loads(dict(text.split("=", 1) for text in believed(FLAT, Now(HERE, 0.6), route))["steps"])
     assert step["drive_route"] == {"points": [{"x": 1.0, "y": 0.0}, {"x": 2.0, "y": 0.0}], "yaw": 0.5}
     with pytest.raises(GoalError, match="ways alone"):
-        believed([], HERE, 0.6, Draft("task", task="tare"))
+        believed(FLAT, Now(HERE, 0.6), Draft("task", task="tare"))
+
+
+@pytest.mark.parametrize("name", ["mars_sol", "flat_drive", "lunar_night"])
+@pytest.mark.parametrize("hours", [0.0, 5.5, 30.0])
+def test_the_sun_of_a_rehearsal_stands_where_it_is_now(name: str, hours: float) -> None:
+    """It stood where it was when the run began: at night the array of a rehearsal gave what it had in the morning."""
+    scenario = load_scenario(name)
+    rehearsed = load_scenario(name, believed(scenario, Now(HERE, 0.6, hours * 3600.0), GOAL))
+    for later in (0.0, 600.0):
+        now = scenario.sun_over().path.direction(hours * 3600.0 + later)
+        assert rehearsed.sun_over().path.direction(later) == pytest.approx(now, abs=1e-6)
+
+
+def test_no_link_to_earth_is_in_a_rehearsal() -> None:
+    """A metre on Mars was told to take 460 s, as the goal waited for a pass of the orbiter."""
+    scenario = load_scenario("link_mars")
+    start = BasePose(np.array([scenario.config.start.x, 0.0, 0.5]), np.array([0.0, 0.0, 0.0, 1.0]))
+    goal = Draft("drive", ((scenario.config.start.x + 0.3, 0.0, 0.0),))
+    overrides = believed(scenario, Now(start, 0.6), goal)
+    assert load_scenario("link_mars", overrides).link is None
+    *_, last = rehearse(load_scenario("link_mars", overrides))
+    *_, found = reckon(load_scenario("link_mars", overrides))
+    assert last.state == found.state == "reached" and last.time_s < 30.0
+    assert last.energy_wh == pytest.approx(found.energy_wh, rel=0.2), "what the array gives is taken, too"
 
 
 def test_a_short_drive_is_rehearsed_to_its_end() -> None:
-    *_, before, last = rehearse(load_scenario("flat_drive", believed([], HERE, 0.8, GOAL)))
+    *_, before, last = rehearse(load_scenario("flat_drive", believed(FLAT, Now(HERE, 0.8), GOAL)))
     assert last.is_over and not before.is_over and last.state == "reached"
     apart = math.dist(GOAL.points[0][:2], HERE.position[:2])
     assert 0.5 * apart < last.length_m < 1.5 * apart
@@ -79,7 +105,7 @@ def test_a_program_that_waits_reckons_first() -> None:
     ready = rehearser._ready
     rehearser.prepare()
     assert rehearser._ready is ready  # one is enough
-    rehearser.begin("flat_drive", believed([], HERE, 0.8, GOAL))
+    rehearser.begin("flat_drive", believed(FLAT, Now(HERE, 0.8), GOAL))
     while not (RECKONED in rehearser.found and rehearser.found[RECKONED].is_over):
         assert SIMULATED not in rehearser.found and not rehearser.problem
         time.sleep(0.02)

@@ -56,6 +56,12 @@ def test_without_sources_or_costs_all_that_is_known_comes_out_of_the_battery(
     assert after(gauge(scenario, house_power), [-5.0], stands, False).power == 0.0
 
 
+def test_a_run_that_begins_with_a_drive_takes_its_first_reading_for_one_at_a_stand() -> None:
+    begins = after(gauge("mars_sol"), [30.0], None, False)
+    assert begins.given == pytest.approx(60.0, abs=1e-3)
+    assert after(gauge("mars_sol"), [70.0], begins, False).given == begins.given
+
+
 def test_what_is_given_follows_the_light_at_a_stand() -> None:
     reads, found = gauge("mars_sol"), [after(gauge("mars_sol"), [80.0], None, True)]
     for _ in range(40):

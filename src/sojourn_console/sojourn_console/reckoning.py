@@ -75,7 +75,7 @@ class TripAccount:
 
 
 def reckon(loaded: LoadedScenario, look: int = 0) -> Iterator[RehearsedDrive]:
-    """The first step of a scenario, a way for the drive, from its start; what is found, step by step.
+    """The last step of a scenario, a way for the drive, from its start; what is found, step by step.
 
     Each look has other noise of the camera: near rocks it decides which way round is taken, and by how much the
     drive may come to other figures.
@@ -89,7 +89,7 @@ def reckon(loaded: LoadedScenario, look: int = 0) -> Iterator[RehearsedDrive]:
     ability = model.mobility.ability
     ground = StandingGround(loaded.height_field(), ability.supports, ability.ride_height)
     eyes = _Eyes(loaded, ground, look)
-    action = loaded.config.steps[0].action
+    action = loaded.config.steps[-1].action
     start = known.start
     position, roll, pitch = ground.pose(start.x, start.y, start.yaw)
     state = model.initial_state(start.x, start.y, start.yaw, float(position[2]))

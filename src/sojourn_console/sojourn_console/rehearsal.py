@@ -2,7 +2,8 @@
 
 The world of a rehearsal is what is believed: the scenario's files with `belief.` values in place of the truth's, the
 map for the ground, no faults. So what a run has been given as truth alone, another soil say, is not in it. It begins
-at rest, at the pose and the charge that drive and power manager tell, with the arm stowed.
+at rest, at the pose and the charge that drive and power manager tell, with the arm stowed and the Sun where it stands
+now. The goal is the machine's own from the first: no link to Earth is in it.
 
 It is a program of its own, for it keeps a core busy; it prints what it has found so far, a line of JSON a time: first
 what is reckoned (`reckoning`), within seconds, then what all apps together find. Started without arguments it loads
@@ -16,6 +17,8 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
+from datetime import timedelta
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +36,7 @@ from sojourn_contract.heartbeat import status_values
 from sojourn_contract.messages import yaw_of
 from sojourn_contract.run_table import table_of
 from sojourn_machine.params import FloatArray
+from sojourn_operator.steps.wait import WaitStep
 from sojourn_stack.apps import make_apps
 from sojourn_stack.stack import Said, Stack
 
@@ -44,32 +48,61 @@ BEARING_N = 5.0
 ROLLING = 0.02
 """Speed below which a wheel's slip says little: it is 1 when the machine begins to move [m/s]."""
 LONGEST_S = 7200.0
+STANDS_S = 3.0
+"""Before it begins [s], as the machine does of which it is a rehearsal: so the drive knows what sources give."""
 LOOKS = 5
 """Times that a drive is reckoned, each with other noise of the camera."""
 TRUTHS_ALONE = ("faults", "soil", "rock_soil", *TRUTH_ALONE)
 """First words of what no machine believes."""
 
 
-def believed(overrides: Sequence[str], pose: BasePose, charge: float, draft: Draft) -> list[str]:
+class Now(NamedTuple):
+    """How the machine stands: where, its charge, 0 to 1, and how long the run has gone on [s]."""
+
+    pose: BasePose
+    charge: float
+    time_s: float = 0.0
+
+
+def believed(scenario: LoadedScenario, now: Now, draft: Draft) -> list[str]:
     """What goes over the files of a run's scenario for a rehearsal of a goal. Raises GoalError for one of the arm."""
     if not draft.is_way or not draft.points:
         raise GoalError(draft.kind, "ways alone can be rehearsed, with a point at least")
-    told, beliefs = split_beliefs(overrides, HEADS, TABLES)
+    told, beliefs = split_beliefs(scenario.overrides, HEADS, TABLES)
     known = [text for text in told if text.partition("=")[0].partition(".")[0].partition("[")[0] not in TRUTHS_ALONE]
-    x, y = (float(one) for one in pose.position[:2])
+    x, y = (float(one) for one in now.pose.position[:2])
     return [
         *known,
         *beliefs,
-        f"start={json.dumps({'x': x, 'y': y, 'yaw': yaw_of(pose.orientation) or 0.0})}",
-        f"battery_soc={min(max(charge, 0.0), 1.0)}",
-        f"steps={json.dumps([{**draft.step(), 'timeout_s': LONGEST_S}])}",
+        *_sun(scenario, now.time_s),
+        f"start={json.dumps({'x': x, 'y': y, 'yaw': yaw_of(now.pose.orientation) or 0.0})}",
+        f"battery_soc={min(max(now.charge, 0.0), 1.0)}",
+        f"steps={json.dumps([{'wait_s': STANDS_S}, {**draft.step(), 'timeout_s': LONGEST_S}])}",
         f"duration_limit_s={LONGEST_S}",
         "faults=[]",
+        "link=null",
+    ]
+
+
+def _sun(scenario: LoadedScenario, time_s: float) -> list[str]:
+    """What puts the Sun where it stands so long after the start."""
+    sun = scenario.config.sun
+    if sun.time is not None:
+        return [f"sun.time={json.dumps((sun.time + timedelta(seconds=time_s)).isoformat())}"]
+    east, north, up = scenario.sun_over().path.direction(time_s)
+    return [
+        f"sun.azimuth_deg={math.degrees(math.atan2(east, north))}",
+        f"sun.elevation_deg={math.degrees(math.asin(up))}",
     ]
 
 
 def rehearse(loaded: LoadedScenario) -> Iterator[RehearsedDrive]:
-    """Run a rehearsal, and tell after each control period what has been found. Raises StackError."""
+    """Run a rehearsal, and tell after each control period what has been found. Raises StackError.
+
+    Time is told from the end of a first step that waits.
+    """
+    first = loaded.config.steps[0].action
+    stood_s = first.root if isinstance(first, WaitStep) else 0.0
     roles = [role for role in ROLES if role != "arm" or loaded.arm is not None]
     stack = Stack(make_apps(loaded, roles), roles, table_of(loaded))
     state, said = stack.begin()
@@ -77,8 +110,8 @@ def rehearse(loaded: LoadedScenario) -> Iterator[RehearsedDrive]:
     while not state.finished:
         state, said = stack.step(state)
         found, place = after(found, place, said)
-        yield found
-    yield replace(found, is_over=True)
+        yield replace(found, time_s=max(found.time_s - stood_s, 0.0))
+    yield replace(found, time_s=max(found.time_s - stood_s, 0.0), is_over=True)
 
 
 def after(

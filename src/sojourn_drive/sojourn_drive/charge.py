@@ -5,9 +5,10 @@ Nobody measures what sources give, only what comes out of the stores. But what g
 
     given = P_house - power out of the stores,    at a stand, smoothed and at least 0
 
-and in motion all that is taken is the power out of the stores and what was given at the last stand. Range: as long as
-the light is the same; stores that are so full that sources are held back do not show what these could give more; what
-thermostats do not draw counts as given.
+and in motion all that is taken is the power out of the stores and what was given at the last stand. The first reading
+of all counts as one at a stand. Range: as long as the light is the same; stores that are so full that sources are held
+back do not show what these could give more; what thermostats do not draw counts as given; where a run begins with a
+drive, what that takes in the first second is missing in what is given.
 """
 
 from collections.abc import Collection, Sequence
@@ -51,7 +52,7 @@ class ChargeGauge:
         soc = sum([share * charge for share, charge in zip(self._manager.shares, charges, strict=True)])
         power = sum([-message.voltage * message.current for message in found])
         given = 0.0 if before is None else before.given
-        if stands and self._house_power is not None:
+        if self._house_power is not None and (stands or before is None):
             now = max(self._house_power - power, 0.0)
             given = now if before is None else given + NEW * (now - given)
         return EnergyLeft(left, soc, self._reserve, max(power + given, 0.0), given)

@@ -17,8 +17,8 @@ import json
 import math
 import tempfile
 import time
+from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,7 +30,7 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_console.draft import Draft
 from sojourn_console.model import BasePose
-from sojourn_console.rehearsal import LONGEST_S, LOOKS, believed, rehearse
+from sojourn_console.rehearsal import LONGEST_S, LOOKS, Now, believed, rehearse
 from sojourn_console.rehearsed import RECKONED, RehearsedDrive
 from sojourn_console.rehearser import Rehearser
 from sojourn_operator.goal_messages import drive_goal
@@ -87,7 +87,8 @@ def answered(name: str, loaded: LoadedScenario, draft: Draft) -> tuple[Rehearsed
     """
     start, rehearser = loaded.config.start, Rehearser()
     here = drive_goal(0, (start.x, start.y), start.yaw)
-    overrides = believed(loaded.overrides, BasePose(here.position, here.orientation), loaded.config.battery_soc, draft)
+    now = Now(BasePose(here.position, here.orientation), loaded.config.battery_soc)
+    overrides = believed(loaded, now, draft)
     try:
         rehearser.prepare()  # as the page does where a drive is chosen
         time.sleep(STANDING_S)
@@ -109,19 +110,13 @@ def _wait(rehearser: Rehearser, looks: int) -> None:
         time.sleep(LOOK_S)
 
 
-def taken(run: LoadedScenario) -> RehearsedDrive:
-    """What all apps take for the drive of a run on the ground as it is."""
-    *_, last = rehearse(run)
-    return replace(last, time_s=last.time_s - STANDING_S)
-
-
 def tried(given: argparse.Namespace, seed: int) -> Trial:
     """One drive. Raises CommandError where there is no goal that can be reached."""
     overrides = command_line.changes_of(given)
     soil = soil_of(load_scenario(given.scenario, overrides), seed)
     loaded = load_scenario(given.scenario, [*overrides, f"seed={seed}", *soil])
     for draft, run in goals(given.scenario, loaded, seed):
-        trial = Trial(*answered(given.scenario, loaded, draft), taken(run))
+        trial = Trial(*answered(given.scenario, loaded, draft), deque(rehearse(run), 1)[0])
         if "reached" in (trial.last.state, trial.taken.state):
             return trial
         print(f"seed {seed}: {draft.words()} is {trial.last.state}, as foretold: {trial.taken.reason}", flush=True)

@@ -17,7 +17,7 @@ from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
 from sojourn_console.picking import met_by
-from sojourn_console.rehearsal import believed
+from sojourn_console.rehearsal import Now, believed
 from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, alike
 from sojourn_console.rehearser import Rehearser
 from sojourn_console.views.view import GREEN, Shown, segments
@@ -203,7 +203,8 @@ class GoalsPanel(QuietPanel):
         self._foreseen = [("rehearsal", "asked, waits for the drive …")]
         scene, world = self._bench.scene, self._bench.world
         if world.source and scene.pose is not None and scene.charge is not None:
-            self._rehearser.begin(world.source, believed(world.scenario.overrides, scene.pose, scene.charge, draft))
+            now = Now(scene.pose, scene.charge, scene.stamp * 1e-9)
+            self._rehearser.begin(world.source, believed(world.scenario, now, draft))
         return ""
 
     def _sending(self) -> str:
