@@ -162,6 +162,27 @@ def test_a_program_that_reckons_is_told_by_its_middle_look() -> None:
     assert seen == [122.0, 157.0, 157.0, 154.0] and not rehearser.is_under_way
 
 
+def test_what_an_older_rehearsal_finds_late_is_not_the_new_ones() -> None:
+    rehearser, found = Rehearser(), RehearsedDrive(RECKONED, "reached", time_s=999.0, is_over=True)
+
+    class Old:
+        stderr = None
+
+        @property
+        def stdout(self) -> Iterator[str]:
+            rehearser._child = new  # another goal is rehearsed while this line is on its way
+            yield json.dumps(vars(found))
+
+        def wait(self) -> int:
+            return 1
+
+    old, new = Old(), Old()
+    rehearser._child = old  # type: ignore[assignment]
+    rehearser._listen(old)  # type: ignore[arg-type]
+    assert not rehearser.found and not rehearser.looks and not rehearser.problem
+    assert rehearser._child is new  # type: ignore[comparison-overlap]
+
+
 TIMES = ((0, 122.0), (1, 157.0), (2, 154.0))
 """Of a drive to a goal behind a rock, as three looks had it."""
 

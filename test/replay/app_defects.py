@@ -380,7 +380,7 @@ def a_load_is_not_switched_off(app: Any, patch: Patch) -> None:
 
 @defect("sunlit", "drive", "/drive/status.status.values.energy_used_wh")
 def what_the_array_gives_does_not_count_as_taken(app: Any, patch: Patch) -> None:
-    swap(patch, app._charge, "_house_power", None)
+    swap(patch, app._charge, "_costs", None)
 
 
 @defect("low_charge", "power", "/power/status.status.values.request_state")

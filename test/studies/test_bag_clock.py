@@ -1,11 +1,14 @@
 """The clock of a run as its growing bag tells it."""
 
+import shutil
 import threading
 from pathlib import Path
 
 import pytest
 from mcap.writer import CompressionType, Writer
 
+from sojourn_bags.reading import read_bag
+from sojourn_bringup.references import references_folder
 from sojourn_config.command_errors import CommandError
 from sojourn_studies import bag_clock
 from sojourn_studies.bag_clock import BagClock, Reading
@@ -54,6 +57,13 @@ def test_it_reads_the_end_of_the_newest_whole_chunk(tmp_path: Path) -> None:
         later.join()
     assert found.simulated == 5.0
     assert Reading(found.wall - 2.0, 1.0).pace(found) == 2.0
+
+
+def test_its_time_is_that_of_the_run(tmp_path: Path) -> None:
+    reference = references_folder() / "themes" / "sunlit" / "bag"
+    shutil.copytree(reference, tmp_path / "bag")
+    bag = read_bag(reference)
+    assert BagClock(tmp_path)._look() == max(max(bag[topic].log_times) for topic in bag.topics)
 
 
 def test_it_goes_on_in_the_next_file(tmp_path: Path) -> None:

@@ -52,6 +52,7 @@ def test_a_drive_is_foretold_and_then_driven_on_other_soil(monkeypatch: pytest.M
         (trial(time_s=89.0), False),
         (trial(energy_wh=4.5), False),
         (trial(state="stopped"), False),
+        (trial(time_s=0.0, energy_wh=0.0, state="refused"), False),
     ],
 )
 def test_a_drive_is_near_that_ends_as_foretold_within_a_tenth(one: Trial, holds: bool) -> None:

@@ -3,7 +3,8 @@
 The world of a rehearsal is what is believed: the scenario's files with `belief.` values in place of the truth's, the
 map for the ground, no faults. So what a run has been given as truth alone, another soil say, is not in it. It begins
 at rest, at the pose and the charge that drive and power manager tell, with the arm stowed and the Sun where it stands
-now. The goal is the machine's own from the first: no link to Earth is in it.
+now; what is planned for the hours ahead (`activities`) is that of the run's start. The goal is the machine's own from
+the first: no link to Earth is in it.
 
 It is a program of its own, for it keeps a core busy; it prints what it has found so far, a line of JSON a time: first
 what is reckoned (`reckoning`), within seconds, then what all apps together find. Started without arguments it loads

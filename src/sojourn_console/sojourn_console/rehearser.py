@@ -30,6 +30,8 @@ class Rehearser:
         self.problem = ""
         self._child: subprocess.Popen[str] | None = None
         self._ready: subprocess.Popen[str] | None = None
+        self._lock = threading.Lock()
+        """Held where it is decided whose a finding is."""
 
     def prepare(self) -> None:
         """Have a program ready that has loaded what it needs; it ends with whoever has it."""
@@ -46,12 +48,13 @@ class Rehearser:
     def begin(self, scenario: str, overrides: Sequence[str]) -> None:
         """Rehearse from a scenario with what goes over its files."""
         self.end()
-        self.found, self.looks, self.problem = {}, (), ""
         self.prepare()
         child, self._ready = self._ready, None
         if child is None or child.stdin is None:
             return
-        self._child = child
+        with self._lock:
+            self.found, self.looks, self.problem = {}, (), ""
+            self._child = child
         with contextlib.suppress(BrokenPipeError):  # what it has said before it ended is told
             child.stdin.write(json.dumps([scenario, *overrides]) + "\n")
             child.stdin.close()
@@ -64,7 +67,8 @@ class Rehearser:
 
     def end(self) -> None:
         """End what is under way."""
-        child, self._child = self._child, None
+        with self._lock:
+            child, self._child = self._child, None
         if child is not None and child.poll() is None:
             child.kill()
             child.wait()
@@ -76,17 +80,21 @@ class Rehearser:
         self.end()
 
     def _listen(self, child: "subprocess.Popen[str]") -> None:
+        looks: tuple[RehearsedDrive, ...] = ()
         for line in child.stdout or ():
-            if self._child is child:
-                found = RehearsedDrive(**json.loads(line))
-                if found.means == RECKONED and found.is_over:
-                    self.looks = (*self.looks, found)
-                    found = middle(self.looks)
-                elif found.look:
-                    continue
-                self.found = {**self.found, found.means: found}
+            found = RehearsedDrive(**json.loads(line))
+            if found.means == RECKONED and found.is_over:
+                looks = (*looks, found)
+                found = middle(looks)
+            elif found.look:
+                continue
+            with self._lock:
+                if self._child is child:
+                    self.found, self.looks = {**self.found, found.means: found}, looks
         errors = child.stderr.read() if child.stderr is not None else ""
-        if self._child is child:
-            if child.wait():
-                self.problem = errors.strip()[:_WORDS] or f"it ended with status {child.returncode}"
-            self._child = None
+        status = child.wait()
+        with self._lock:
+            if self._child is child:
+                if status:
+                    self.problem = errors.strip()[:_WORDS] or f"it ended with status {status}"
+                self._child = None

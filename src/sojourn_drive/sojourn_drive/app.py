@@ -21,7 +21,7 @@ from sojourn_contract.stereo_pair import pair_place_of
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Path, TwistStamped
 from sojourn_drive.arm_interlock import ArmInterlock
-from sojourn_drive.charge import ChargeGauge
+from sojourn_drive.charge import ChargeGauge, PowerSituation
 from sojourn_drive.goals import GoalStatus, QuestionStatus, goal_of
 from sojourn_drive.measurements import JointMeasurements
 from sojourn_drive.memory import Asked, DriveAppState, Heard, Views
@@ -44,6 +44,8 @@ from sojourn_machine.params import FloatArray
 
 QUESTION = "/drive/question"
 MEASUREMENTS = ("/joint_states", "/imu/data")
+STOOD_S = 0.5
+"""After which no motor draws anything any more."""
 
 
 class DriveApp(FlightApp[DriveAppState]):
@@ -61,9 +63,7 @@ class DriveApp(FlightApp[DriveAppState]):
         self._measurements = JointMeasurements(known.machine, self.model.mobility.joints, known.urdf_xml)
         self._sun = SunSightings(known)
         self._stereo = StereoInput(known)
-        costs = known.drive.energy
-        house_power = None if costs is None else costs.house_power
-        self._charge = ChargeGauge(known.power_manager, self._measurements.loads, house_power)
+        self._charge = ChargeGauge(known.power_manager, self._measurements.loads, known.drive.energy)
         self._interlock = ArmInterlock(known.arm)
         self._imu_load = known.sensors.powered_by.get("imu", "")
 
@@ -144,17 +144,23 @@ class DriveApp(FlightApp[DriveAppState]):
 
     def _hear(self, state: DriveAppState, inputs: Mapping[str, Any]) -> Heard:
         heard, switches = state.heard, inputs.get("/power/switches")
-        limit, dark = heard.power_limit, heard.dark
+        limit, dark, off = heard.power_limit, heard.dark, heard.off
         if switches is not None:
             values = status_values(switches)
             limit, dark = self._measurements.power_limit(values, limit), values.get(self._imu_load) == "off"
-        driving = state.drive.mode != "idle"
+            off = self._charge.off(values)
+        driving, here = state.drive.mode != "idle", state.drive.odometry
         return replace(
             heard,
             power_limit=limit,
             dark=dark,
+            off=off,
             interlock=self._interlock.why_not(inputs.get("/joint_states"), driving, heard.interlock),
-            supply=self._charge.supply([inputs.get(name) for name in self._charges], heard.supply, not driving),
+            supply=self._charge.supply(
+                [inputs.get(name) for name in self._charges],
+                heard.supply,
+                PowerSituation(not driving and here.standing_for > STOOD_S, here.v_x, here.yaw_rate, off),
+            ),
             cloud=newest_cloud(inputs.get(CLOUD), heard.cloud),
         )
 

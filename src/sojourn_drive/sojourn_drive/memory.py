@@ -46,6 +46,8 @@ class Heard:
     """Factor of the power manager on all speeds [-]."""
     dark: bool = False
     """The power manager has switched off the load of the IMU."""
+    off: float = 0.0
+    """What the loads would draw that are switched off [W]."""
     supply: EnergyLeft | None = None
     """Of energy; None until the first reading of the battery."""
     interlock: str = ""

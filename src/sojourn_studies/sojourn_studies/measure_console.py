@@ -1,7 +1,7 @@
 """Measures by how much an open page slows a stack.
 
     scripts/lib/python -m sojourn_studies.measure_console              # the page opened and closed eight times
-    scripts/lib/python -m sojourn_studies.measure_console mars_sol --processes --times 3
+    scripts/lib/python -m sojourn_studies.measure_console --scenario mars_sol --processes --times 3
 
 The page is opened and closed beside one run in lock-step, in which the rover drives to and fro: a machine that grows
 slower or faster within minutes tells for neither, since each time with the page is set against those before and after
@@ -35,6 +35,8 @@ ADDRESS = re.compile(r"http://(127\.0\.0\.1:\d+/[\w-]+/)")
 MOST_SLOWER = 0.05
 SETTLES_S, WINDOW_S = 6.0, 12.0
 """Wall time before a pace is taken, and over which it is taken [s]."""
+SHOWS_S = 1.0
+"""Within which a page shows something new where the rover drives."""
 DRIVES = 1000
 """More than a run of that length has."""
 
@@ -92,9 +94,10 @@ def paced(given: argparse.Namespace, folder: Path) -> Iterator[tuple[float, floa
         before = pace(clock)
         for number in range(given.times):
             with page(stack, folder / f"page-{number}.log") as read:
-                opened = pace(clock)
-            if not read[0]:
-                raise CommandError("the page has shown nothing")
+                opened, seen = pace(clock), read[0]
+                time.sleep(SHOWS_S)
+                if read[0] == seen:
+                    raise CommandError("the page shows nothing, or nobody reads it any more")
             after = pace(clock)
             yield before, opened, after
             before = after

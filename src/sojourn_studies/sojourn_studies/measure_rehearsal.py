@@ -54,12 +54,17 @@ class Trial(NamedTuple):
     taken: RehearsedDrive
 
     def off(self, foretold: RehearsedDrive) -> tuple[float, float]:
-        """Of time and energy foretold, over what was taken."""
-        return foretold.time_s / self.taken.time_s - 1.0, foretold.energy_wh / self.taken.energy_wh - 1.0
+        """Of time and energy foretold, over what was taken; infinite where nothing was."""
+        taken = self.taken
+        return _part(foretold.time_s, taken.time_s), _part(foretold.energy_wh, taken.energy_wh)
 
     def is_near(self, foretold: RehearsedDrive) -> bool:
         """Whether the end is as foretold, and time and energy are near."""
         return self.taken.state == foretold.state and all(abs(part) <= MOST_OFF for part in self.off(foretold))
+
+
+def _part(foretold: float, taken: float) -> float:
+    return foretold / taken - 1.0 if taken > 0.0 else math.inf
 
 
 def goals(name: str, loaded: LoadedScenario, seed: int) -> Iterator[tuple[Draft, LoadedScenario]]:
@@ -72,7 +77,7 @@ def goals(name: str, loaded: LoadedScenario, seed: int) -> Iterator[tuple[Draft,
     for bearing in random.uniform(-math.pi, math.pi, TRIES):
         draft = Draft("drive", ((start.x + FAR_M * math.cos(bearing), start.y + FAR_M * math.sin(bearing), 0.0),))
         steps = [{"wait_s": STANDING_S}, {**draft.step(), "timeout_s": LONGEST_S}]
-        changes = [f"steps={json.dumps(steps)}", f"duration_limit_s={LONGEST_S}"]
+        changes = [f"steps={json.dumps(steps)}", f"duration_limit_s={LONGEST_S}", "link=null"]
         try:
             run = load_scenario(name, [*loaded.overrides, *changes])
         except ConfigError:  # it would lead off the map
@@ -117,9 +122,10 @@ def tried(given: argparse.Namespace, seed: int) -> Trial:
     loaded = load_scenario(given.scenario, [*overrides, f"seed={seed}", *soil])
     for draft, run in goals(given.scenario, loaded, seed):
         trial = Trial(*answered(given.scenario, loaded, draft), deque(rehearse(run), 1)[0])
-        if "reached" in (trial.last.state, trial.taken.state):
+        if "reached" in (trial.first.state, trial.last.state, trial.taken.state):
             return trial
-        print(f"seed {seed}: {draft.words()} is {trial.last.state}, as foretold: {trial.taken.reason}", flush=True)
+        words = f"foretold as {trial.last.state} and {trial.taken.state}: {trial.taken.reason}"
+        print(f"seed {seed}: {draft.words()}, {words}", flush=True)
     raise CommandError(f"seed {seed}: no place {FAR_M:g} m off can be reached")
 
 

@@ -18,7 +18,7 @@ SILENCE_S = 120
 WAITING = ("steps=[{wait_s: 1e6}]", "duration_limit_s=1e6")
 """Changes of a scenario whose operator does nothing: all that happens to its run comes from elsewhere."""
 SUPPLIED = "isotope_sol"
-"""A scenario whose machine has power for driving by day and by night."""
+"""A scenario whose machine has power by day and by night, for some hours of driving without a pause."""
 NODE = re.compile(r"^(\w+) \(process (\d+)\): ", re.MULTILINE)
 """What a stack says of a node begins so."""
 ENDED = re.compile(r" after ([0-9.]+) s of simulation, ([0-9.]+) s of wall time$", re.MULTILINE)

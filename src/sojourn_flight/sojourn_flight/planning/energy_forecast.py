@@ -43,6 +43,10 @@ class EnergyLeft:
     """Taken now, from it and from sources [W]."""
     given: float = 0.0
     """Of that by sources [W]."""
+    stamp: int = 0
+    """Of the newest reading [ns]."""
+    has_stood: bool = False
+    """Whether one of them was at a stand."""
 
 
 class Forecast(NamedTuple):
