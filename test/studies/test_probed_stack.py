@@ -14,10 +14,12 @@ from domains import own_domain
 PATIENCE_S = 300.0
 """Wall time after which the test gives up."""
 PROBE = """
-import sys, time
+import signal, sys, time
 from pathlib import Path
 from sojourn_config.command_line import run_script
 from sojourn_studies.probed_stack import ProbedStack
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has what runs in its background ignore it
 
 def main(_):
     with ProbedStack(["flat_drive", "--composed"], int(sys.argv[1]), Path(sys.argv[2])) as stack:
