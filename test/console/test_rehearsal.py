@@ -5,11 +5,12 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from sojourn_config.scenario import load_scenario
+from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.model import BasePose
@@ -60,6 +61,14 @@ def test_the_sun_of_a_rehearsal_stands_where_it_is_now(name: str, hours: float) 
     for later in (0.0, 600.0):
         now = scenario.sun_over().path.direction(hours * 3600.0 + later)
         assert rehearsed.sun_over().path.direction(later) == pytest.approx(now, abs=1e-6)
+
+
+def test_a_sun_whose_height_is_above_one_by_rounding_is_overhead(monkeypatch: pytest.MonkeyPatch) -> None:
+    above = np.array([0.0, 0.0, math.nextafter(1.0, 2.0)])
+    over = SimpleNamespace(path=SimpleNamespace(direction=lambda _time: above))
+    monkeypatch.setattr(LoadedScenario, "sun_over", lambda _scenario: over)
+    values = dict(text.split("=", 1) for text in believed(FLAT, Now(HERE, 0.6, 60.0), GOAL))
+    assert float(values["sun.elevation_deg"]) == 90.0
 
 
 def test_no_link_to_earth_is_in_a_rehearsal() -> None:

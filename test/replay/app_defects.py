@@ -378,7 +378,7 @@ def a_load_is_not_switched_off(app: Any, patch: Patch) -> None:
     hear(app, patch, "/power/request", lambda asked: None if status_values(asked) == {"cameras": "off"} else asked)
 
 
-@defect("sunlit", "drive", "/drive/status.status.values.energy_used_wh")
+@defect("loose", "drive", "/drive/status.status.values.energy_used_wh")
 def what_the_array_gives_does_not_count_as_taken(app: Any, patch: Patch) -> None:
     swap(patch, app._charge, "_costs", None)
 

@@ -17,9 +17,9 @@ from sojourn_contract.tolerance import rule_of
 from sojourn_stack.replay import replay
 
 RENEW = "if this is meant, renew the bags: scripts/record_reference"
-MOST_BYTES = 285_000
-"""Of a theme bag in the mean, as git packs it. A third is what the machine measures at 50 Hz, which no role can be
-replayed without."""
+MOST_BYTES = 10_000_000
+"""Of all theme bags, as git packs them: some 0.3 MB for each of 35 machines, tasks and faults. A third is what the
+machine measures at 50 Hz, which no role can be replayed without."""
 PLACE, JUMP = "/initialpose", "the change of pose"
 """An operator's word moves the estimate at once, which no velocity explains."""
 SILENCED = "themes/restarts"
@@ -55,7 +55,7 @@ def test_a_bag_is_thinned_whole_and_clean(theme: ReferenceBag) -> None:
 def test_all_are_small_and_each_has_its_scenario() -> None:
     folder = references_folder() / "themes"
     packed = [zlib.compress(file.read_bytes()) for file in folder.rglob("*") if file.is_file()]
-    assert sum(map(len, packed)) < MOST_BYTES * len(NAMES)
+    assert sum(map(len, packed)) < MOST_BYTES
     assert {f"themes/{file.stem}" for file in folder.glob("*.yaml")} == set(NAMES)
 
 

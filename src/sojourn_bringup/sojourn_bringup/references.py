@@ -75,7 +75,6 @@ THEMES = (
     _theme("detour", ("drive",), "done"),
     _theme("sight", ("drive",), "done", *SMALL_IMAGES),
     _theme("steered", ("drive",), "waited jogged", "sensors.hazcam.timing.rate=0.5"),
-    _theme("sunlit", ("drive",), "waited reached waited", "sensors.hazcam.timing.rate=0.5"),
     _theme("wrong_words", ("drive", "arm", "power"), "done " * 57),
     _theme("restarts", ("drive",), "done done done"),
     _theme("loose", ("drive",), "done", "drive.slip_policy.slow=0.15", "drive.slip_policy.another_way=0.3"),

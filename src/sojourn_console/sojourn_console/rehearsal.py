@@ -93,7 +93,7 @@ def _sun(scenario: LoadedScenario, time_s: float) -> list[str]:
     east, north, up = scenario.sun_over().path.direction(time_s)
     return [
         f"sun.azimuth_deg={math.degrees(math.atan2(east, north))}",
-        f"sun.elevation_deg={math.degrees(math.asin(up))}",
+        f"sun.elevation_deg={math.degrees(math.atan2(up, math.hypot(east, north)))}",
     ]
 
 
