@@ -100,7 +100,7 @@ def joints(
 @given(st.sampled_from(FINAL_STATES), st.booleans(), st.text(max_size=5))
 def test_a_goal_ends_as_its_role_says(state: str, is_stopped: bool, reason: str) -> None:
     watch = GoalWatch("drive", SENT, stop=SENT + 1 if is_stopped else None)
-    _, ending = watch.step(GoalReport(state, SENT, reason), SENT)
+    _, ending = watch.step(GoalReport(state, SENT, reason), SENT, SENT)
     assert ending is not None and (ending.cause, ending.reason) == (state, reason)
     assert (ending.word == SUCCEEDED) == (state == "reached")
     assert (ending.word == CANCELED) == (state == "stopped" and is_stopped)
@@ -109,30 +109,37 @@ def test_a_goal_ends_as_its_role_says(state: str, is_stopped: bool, reason: str)
 def test_reports_of_what_was_before_end_nothing() -> None:
     watch = GoalWatch("drive", SENT)
     for report in (None, GoalReport("reached", SENT - 1), GoalReport("idle", 0), GoalReport("moving", SENT)):
-        after, ending = watch.step(report, SENT + 1)
+        after, ending = watch.step(report, SENT + 1, SENT + 1)
         assert ending is None and after.is_known == (report is not None and report.goal_stamp == SENT)
 
 
 def test_what_was_given_by_others_takes_its_place() -> None:
     later = GoalReport("moving", SENT + 5)
     unstamped = GoalReport("moving", 0)
-    assert GoalWatch("drive", SENT).step(unstamped, SENT)[1] is None  # may be older
+    assert GoalWatch("drive", SENT).step(unstamped, SENT, SENT)[1] is None  # may be older
     for watch, report in ((GoalWatch("drive", SENT), later), (GoalWatch("drive", SENT, is_known=True), unstamped)):
-        _, ending = watch.step(report, SENT)
+        _, ending = watch.step(report, SENT, SENT)
         assert ending is not None and (ending.word, ending.cause) == (ABORTED, REPLACED)
 
 
 def test_an_arm_tells_of_a_stop_as_of_a_goal() -> None:
-    watch = GoalWatch("arm", SENT, is_known=True, stop=SENT + 3)
-    assert watch.step(GoalReport("moving", SENT + 3), SENT)[1] is None
-    _, ending = watch.step(GoalReport("stopped", SENT + 3, "stop asked for"), SENT)
-    assert ending == Ending(CANCELED, "stopped", "stop asked for")
+    """Also where it has never told of the goal, which was taken back before its next word."""
+    for is_known in (False, True):
+        watch = GoalWatch("arm", SENT, is_known, stop=SENT + 3)
+        assert watch.step(GoalReport("moving", 0), SENT + 4, SENT + 4)[1] is None
+        _, ending = watch.step(GoalReport("stopped", 0, "stop asked for"), SENT + 5, SENT + 5)
+        assert ending == Ending(CANCELED, "stopped", "stop asked for")
+
+
+def test_what_an_arm_told_before_a_stop_is_no_answer_to_it() -> None:
+    watch = GoalWatch("arm", SENT, stop=SENT + 3)
+    assert watch.step(GoalReport("stopped", 0, "stop asked for"), SENT + 4, SENT + 2) == (watch, None)
 
 
 def test_a_role_that_never_tells_of_it() -> None:
     watch = GoalWatch("drive", SENT)
-    assert watch.step(None, SENT + 10 * NANOSECONDS)[1] is None
-    _, ending = watch.step(None, SENT + 10 * NANOSECONDS + 1)
+    assert watch.step(None, SENT + 10 * NANOSECONDS, 0)[1] is None
+    _, ending = watch.step(None, SENT + 10 * NANOSECONDS + 1, 0)
     assert ending is not None and ending.cause == SILENT and "drive has told nothing" in ending.reason
 
 

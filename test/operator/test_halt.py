@@ -101,3 +101,19 @@ def test_of_a_pause_no_progress_is_told(
     client.send("arm", "/arm/task", status_message(0, task, {}))
     assert client.follow("task", 600.0) == ("reached", "")
     assert capsys.readouterr().out == f"     0.00 s  {shown}\n"
+
+
+def test_a_goal_of_a_stack_that_has_ended_is_not_followed_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It told ten minutes long that the rover was moving, 8.242 m to go."""
+
+    class Ended(Busy):
+        def spin(self, wall_s: float) -> None:
+            if self.looks < 3:
+                super().spin(wall_s)
+                self.now += 20_000_000
+
+    client = Ended({"drive": 0}, ["drive"])
+    monkeypatch.setattr(goal_sending, "QUIET_S", 0.01)
+    outcome, reason = client.follow("drive", 600.0)
+    assert outcome == "not known" and "the simulation time has stood still" in reason
+    assert client.looks == 3

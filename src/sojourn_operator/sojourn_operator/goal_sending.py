@@ -34,6 +34,8 @@ from sojourn_operator.steps.step import FINAL_STATES
 
 ANSWER_S = 5.0
 """Wall time within which a running stack must be found."""
+QUIET_S = 30.0
+"""Wall time without a word after which nobody waits for one any more."""
 SHOW_S = 1.0
 STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status", "power": "/power/status"}
 GOALS = {
@@ -112,6 +114,15 @@ class GoalClient(Desk):
         self._last_stamp = self.now
         self._pauses = isinstance(message, DiagnosticArray) and [one.name for one in message.status] == [PAUSE]
         return self._last_stamp
+
+    def send_stop(self, who: str) -> int:
+        """Publish the stop of a role once it listens, as `halt` does: without a stamp. The simulation time then [ns].
+
+        Raises NoStackError if it does not listen within ANSWER_S.
+        """
+        row = topic(STOP_TOPICS[who])
+        self._sender_to_listener(who, row).publish(encode(row, dict(stop_messages(0))[row.name]))
+        return self.now
 
     def cancel(self, number: str) -> list[str]:
         """Take back a command, or all where no number is said; those that are. Raises NoStackError, CommandError."""
@@ -222,9 +233,14 @@ class GoalClient(Desk):
         if self.over_link:
             return self._follow_over_link(name, timeout_s)
         read = REPORTS.get(command, report_of)
-        begin = said_at = time.monotonic()
+        begin = said_at = moved_at = time.monotonic()
+        now = self.now
         while not self.stop.is_set and time.monotonic() - begin < timeout_s:
             self.spin(0.05)
+            if self.now != now:
+                now, moved_at = self.now, time.monotonic()
+            elif (still_s := time.monotonic() - moved_at) > QUIET_S:
+                return "not known", f"the simulation time has stood still for {still_s:.0f} s: has the stack ended?"
             status = self.statuses.get(who)
             if status is None:
                 continue

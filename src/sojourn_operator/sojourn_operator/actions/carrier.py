@@ -6,16 +6,15 @@ from dataclasses import replace
 from typing import Any
 
 from sojourn_config import command_line
+from sojourn_config.command_errors import CommandError
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.values import Message
 from sojourn_operator.actions.kind import LastHeard, Pursuit
 from sojourn_operator.actions.server import GoalServer
 from sojourn_operator.actions.watch import ABORTED, BREACH, CANCELED, REPLACED, UNSENT, Ending, GoalWatch
-from sojourn_operator.goal_messages import report_of, stop_messages
-from sojourn_operator.goal_sending import GoalClient, NoStackError
+from sojourn_operator.goal_messages import report_of
+from sojourn_operator.goal_sending import QUIET_S, GoalClient
 
-QUIET_S = 30.0
-"""Wall time without a word of the role after which nobody waits for it any more."""
 BESIDE = "the run has a link to Earth, round which no action goes: send goals with scripts/goal"
 
 
@@ -35,10 +34,10 @@ class Carrier:
         self._told_at = 0.0
 
     def step(self) -> None:
-        """Do what is to be done now. Where the stack is gone, the goal ends."""
+        """Do what is to be done now. Where nothing can be sent, the goal ends."""
         try:
             self._look()
-        except NoStackError as error:
+        except CommandError as error:
             self.drop(str(error))
 
     def _look(self) -> None:
@@ -48,7 +47,7 @@ class Carrier:
         if self._watch is None or self._pursuit is None:
             return
         if self._goal.is_cancel_requested and self._watch.stop is None:
-            self._watch = replace(self._watch, stop=self._stop())
+            self._watch = replace(self._watch, stop=self._client.send_stop(self._watch.role))
         self._follow(self._watch, self._pursuit)
 
     def drop(self, reason: str, cause: str = UNSENT) -> None:
@@ -74,7 +73,7 @@ class Carrier:
     def _follow(self, watch: GoalWatch, pursuit: Pursuit) -> None:
         status = self._client.statuses.get(self._server.kind.role)
         report = None if status is None else report_of(status)
-        self._watch, ending = watch.step(report, self._client.now)
+        self._watch, ending = watch.step(report, self._client.now, 0 if status is None else status.stamp)
         heard = LastHeard(
             self._client.now, watch.stamp, {} if status is None else status_values(status), self._messages
         )
@@ -85,15 +84,10 @@ class Carrier:
         if ending is None and time.monotonic() > self._told_at + QUIET_S:
             ending = Ending(ABORTED, UNSENT, f"the {watch.role} says nothing any more, for {QUIET_S:g} s of wall time")
         if ending is None and watch.stop is None and (why := pursuit.breach(heard)):
-            self._stop()
+            self._client.send_stop(watch.role)
             ending = Ending(ABORTED, BREACH, why)
         if ending is not None:
             self._end(pursuit, pursuit.final(ending, heard))
-
-    def _stop(self) -> int:
-        """Stop whoever carries it out. The stamp of that [ns]."""
-        kind = self._server.kind
-        return self._client.send(kind.role, kind.stop, dict(stop_messages(0))[kind.stop])
 
     def _end(self, pursuit: Pursuit, ending: Ending) -> None:
         goal, self._goal, self._pursuit, self._watch = self._goal, None, None, None

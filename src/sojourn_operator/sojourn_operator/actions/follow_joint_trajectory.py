@@ -28,7 +28,6 @@ class FollowJointTrajectory:
     package = "control_msgs"
     role = "arm"
     topic = GOAL.name
-    stop = "/arm/stop"
     hears: tuple[str, ...] = (COMMAND, MEASURED)
 
     def begin(self, request: Any) -> "ArmPursuit":

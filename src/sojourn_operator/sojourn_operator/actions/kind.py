@@ -62,8 +62,6 @@ class ActionKind(Protocol):
     package: str
     role: str
     topic: str
-    stop: str
-    """Topic on which what it sends is stopped."""
     hears: tuple[str, ...]
     """Topics besides the role's status."""
 

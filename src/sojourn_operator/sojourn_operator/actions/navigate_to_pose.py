@@ -25,7 +25,6 @@ class NavigateToPose:
     package = "nav2_msgs"
     role = "drive"
     topic = GOAL.name
-    stop = "/cmd_vel"
     hears: tuple[str, ...] = (ODOM.name,)
 
     def begin(self, request: Any) -> "DrivePursuit":

@@ -33,7 +33,7 @@ class GoalWatch:
 
     Args:
         role: that carries it out. stamp: with which it has gone out [ns]. is_known: whether the role has told of it.
-        stop: stamp of the stop by which its sender has taken it back [ns]; None: nobody has.
+        stop: simulation time at which its sender has taken it back by a stop [ns]; None: nobody has.
     """
 
     role: str
@@ -41,7 +41,7 @@ class GoalWatch:
     is_known: bool = False
     stop: int | None = None
 
-    def step(self, report: GoalReport | None, now: int) -> tuple["GoalWatch", Ending | None]:
+    def step(self, report: GoalReport | None, now: int, told: int) -> tuple["GoalWatch", Ending | None]:
         """After a look.
 
         Args:
@@ -49,7 +49,8 @@ class GoalWatch:
         """
         if report is not None and report.goal_stamp == self.stamp:
             return replace(self, is_known=True), _ending_of(report, self.stop is not None)
-        if report is not None and report.goal_stamp == self.stop:  # an arm tells of a stop as of a goal
+        # An arm tells of a stop as of a goal, and a stop has no stamp.
+        if report is not None and report.goal_stamp == 0 and self.stop is not None and told > self.stop:
             return self, None if report.state == "moving" else Ending(CANCELED, report.state, report.reason)
         # Others' goals may be stamped zero: once this one is known, any other stamp is that of a later one.
         if report is not None and (self.is_known or report.goal_stamp > self.stamp):
