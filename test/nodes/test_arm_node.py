@@ -276,6 +276,38 @@ def test_goals_that_cannot_be_are_refused_with_the_reason(arm: ArmBench, topic: 
 
 
 @pytest.mark.parametrize(
+    "topic,message",
+    [("/arm/joint_goal", joint_goal((), [], "nowhere")), ("/arm/goal_pose", pose_goal(9.0, 0.0, 0.0))],
+    ids=["no such pose", "out of reach"],
+)
+def test_a_refused_goal_hides_the_one_that_goes_on_for_two_seconds_only(
+    arm: ArmBench, topic: str, message: Any
+) -> None:
+    """It was the last word of the arm: of the goal under way it was never told how it ended."""
+    arm.step()
+    first = joint_goal((), [], "stow")
+    first.header.stamp = ros_time(at(3))
+    moving = arm.goal("/arm/joint_goal", first)
+    assert (moving["state"], moving["goal_stamp"]) == ("moving", str(at(3)))
+    message.header.stamp = ros_time(at(arm.period + 2))
+    refused = arm.goal(topic, message)
+    assert (refused["state"], refused["goal_stamp"]) == ("refused", str(stamp_of(message)))
+    assert max(map(abs, arm.step().velocity)) > 0.0, "it goes on"
+    arm.step(99)
+    told = arm.status()
+    assert (told["state"], told["goal_stamp"], told["goals_refused"]) == (
+        "moving",
+        str(at(3)),
+        refused["goals_refused"],
+    )
+    for _ in range(60):
+        arm.step(50)
+        if (told := arm.status())["state"] != "moving":
+            break
+    assert (told["state"], told["goal_stamp"]) == ("reached", str(at(3)))
+
+
+@pytest.mark.parametrize(
     "topic,message,field",
     [
         ("/arm/joint_goal", joint_goal(ARM, [0.0]), "position = 1 numbers"),

@@ -15,7 +15,10 @@ from sojourn_contract.heartbeat import status_message
 from sojourn_contract.messages import battery_state
 from sojourn_contract.silence import LOST_S, Silence
 from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.values import Header
+from sojourn_drive.goals import GoalStatus
 from sojourn_drive.node import DriveNode
+from sojourn_flight.planning.goal import Goal, GoalOutcome
 
 START_X = -1.0
 """Where the scenario puts the rover."""
@@ -148,6 +151,54 @@ def test_goals_in_an_unknown_frame_are_refused_with_the_reason(bench: Bench, dri
     assert bench.received["/drive/status"][-1].status[0].level == b"\x01"
     assert drive.counters.refused == {"/goal_pose": 1} and reason in drive.counters.last_refusal
     assert rates(command) == [0.0] * 6
+
+
+@pytest.mark.parametrize("second", [pose(0.0, -300.5, "odom"), pose(1.0, 0.0, "moon")], ids=["too far", "no frame"])
+def test_a_refused_goal_hides_the_one_that_goes_on_for_two_seconds_only(
+    bench: Bench, drive: DriveNode, second: PoseStamped
+) -> None:
+    """It was the last word of the drive: the goal under way was never told of again, nor how it ended."""
+    step(bench, 1)
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0, stamp=at(4)))
+    step(bench, *range(2, 60))
+    second.header.stamp = ros_time(at(60))
+    send_event(bench, drive, "/goal_pose", second)
+    assert min(rates(step(bench, *range(60, 101)))) > 0.1, "it drives on"
+    told = bench.status("/drive/status", 100)
+    assert (told["state"], told["goal_stamp"]) == ("refused", str(at(60)))
+    assert drive.app.to_keep(drive.state)["goal"] == {"stamp": at(4), "moves": True}
+    step(bench, *range(101, 201))
+    told = bench.status("/drive/status", 200)
+    assert (told["state"], told["goal_stamp"], told["reason"]) == ("moving", str(at(4)), "")
+    send_event(bench, drive, "/cmd_vel", twist(0.0))
+    step(bench, *range(201, 251))
+    told = bench.status("/drive/status", 250)
+    assert (told["state"], told["goal_stamp"]) == ("stopped", str(at(4)))
+
+
+def test_a_goal_that_ends_while_another_is_refused_is_told_of() -> None:
+    first = GoalStatus().begun(Header(at(4))).noted([])
+    second = first.begun(Header(at(60)))
+    assert second.noted([], waits=True).under_way == first and second.noted([]).under_way != first
+    refused = second.noted([GoalOutcome("refused", "too far", Goal.at(1.0, 0.0, None, second.number), 1.0)])
+    over = refused.told(at(60)).noted([GoalOutcome("reached", "", Goal.at(1.0, 0.0, None, first.number), 0.0)])
+    assert over.state == "refused" and over.told(at(159)).state == "refused"
+    assert (over.told(at(160)).state, over.told(at(160)).stamp) == ("reached", at(4))
+    third = over.begun(Header(at(100))).noted([])
+    assert third.told(at(300)) == third and third.under_way == third
+    lost = refused.given_up("nothing is measured")
+    assert lost.told(at(1)).told(at(900)).state == "failed"
+
+
+def test_a_stop_is_heard_with_the_arm_out_too(bench: Bench, drive: DriveNode) -> None:
+    """It stands, as it is asked to: nothing is refused, and how the last goal ended is still told."""
+    send_event(bench, drive, "/goal_pose", pose(2.0, 0.0))
+    step(bench, *range(1, 41))
+    out = {"arm_elbow_joint": -2.6}
+    step(bench, *range(41, 101), angles=out)
+    send_event(bench, drive, "/cmd_vel", twist(0.0))
+    step(bench, *range(101, 151), angles=out)
+    assert bench.status("/drive/status", 150)["state"] == "stopped" and drive.counters.refused == {}
 
 
 def test_a_path_without_points_is_refused(bench: Bench, drive: DriveNode) -> None:

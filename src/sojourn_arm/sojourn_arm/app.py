@@ -130,6 +130,7 @@ class ArmApp(FlightApp[ArmAppState]):
             if reason := given_up(MEASUREMENTS, stamp, state.usable_at, inputs, cause):
                 # a stop for when it knows again where it is
                 state = replace(state, goal=state.goal.given_up(reason), pending=StopGoal())
+        state = replace(state, goal=state.goal.told(stamp))
         return state, Answer(_messages(state, stamp), refusals)
 
     def _see(self, ground: KnownGround, cloud: Any, rover: Rover, refusals: list[Refusal]) -> KnownGround:

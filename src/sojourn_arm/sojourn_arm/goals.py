@@ -8,6 +8,7 @@ from typing import Any
 from sojourn_arm.rover import BASE_FRAME, Rover, in_base
 from sojourn_arm.tasks import Request, progress_fields, task_fields, task_of
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.goal_topics import REFUSAL_TOLD_NS
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.values import JointTrajectory, Message, Path, PoseStamped, TwistStamped
 from sojourn_flight.arm.goal_events import GoalEvent
@@ -48,10 +49,24 @@ class LastGoal:
     """By the arm, so far."""
     goals_refused: int = 0
     """By the arm, so far."""
+    goes_on: "LastGoal | None" = None
+    """The goal that was under way when this one came, until this one has been accepted; if it is refused, the arm goes
+    on with it."""
+    until: int = 0
+    """So long a refusal is told before what goes on [ns]."""
+
+    @property
+    def under_way(self) -> "LastGoal | None":
+        """What the arm is on its way to, as long as it has not accepted a newer goal."""
+        if self.goes_on is not None and self.state in ("moving", "refused"):
+            return self.goes_on
+        return self if self.state == "moving" else None
 
     def begun(self, message: Message) -> "LastGoal":
         """A new goal has come."""
-        return replace(self, state="moving", reason="", stamp=message.stamp, abandoned=False)
+        return replace(
+            self, state="moving", reason="", stamp=message.stamp, abandoned=False, goes_on=self.under_way, until=0
+        )
 
     def refused(self, reason: str) -> "LastGoal":
         """It cannot be, and is not given to the arm."""
@@ -59,7 +74,9 @@ class LastGoal:
 
     def given_up(self, reason: str) -> "LastGoal":
         """The goal on its way has failed, as its measurements stay away."""
-        return replace(self, state="failed", reason=reason, abandoned=True) if self.state == "moving" else self
+        if self.state == "moving":
+            return replace(self, state="failed", reason=reason, abandoned=True)
+        return self if self.goes_on is None else replace(self, goes_on=self.goes_on.given_up(reason))
 
     def noted(self, output: ArmOutput, report: TaskReport | None) -> "LastGoal":
         """With what has become of it in this period."""
@@ -74,14 +91,28 @@ class LastGoal:
     def _after(self, event: GoalEvent) -> "LastGoal":
         """After what has happened to it, which is told once."""
         if event.outcome == "accepted":
-            last = replace(self, goals_accepted=self.goals_accepted + 1)
+            last = replace(self, goals_accepted=self.goals_accepted + 1, goes_on=None)
             return last if last.abandoned else replace(last, state="moving")
         if event.outcome == "refused":
             last = replace(self, goals_refused=self.goals_refused + 1)
             return last if last.abandoned else last.refused(event.reason)
-        if self.state != "moving":
+        ended = "reached" if event.outcome == "paused" else event.outcome
+        if self.goes_on is not None and self.goes_on.state == "moving":
+            last = replace(self, goes_on=replace(self.goes_on, state=ended, reason=event.reason))
+        else:
+            last = self
+        return replace(last, state=ended, reason=event.reason) if last.state == "moving" else last
+
+    def told(self, now: int) -> "LastGoal":
+        """What is to be told at a time [ns]: a refusal, and after it the goal that goes on."""
+        if self.goes_on is None or self.state != "refused":
             return self
-        return replace(self, state="reached" if event.outcome == "paused" else event.outcome, reason=event.reason)
+        if not self.until:
+            return replace(self, until=now + REFUSAL_TOLD_NS)
+        if now < self.until:
+            return self
+        counts = {"goals_accepted": self.goals_accepted, "goals_refused": self.goals_refused}
+        return replace(self.goes_on, report=self.report, **counts)
 
     def status(self, output: ArmOutput | None) -> dict[str, str]:
         """Fields of /arm/status; without those that are measured where nothing has been measured yet."""

@@ -15,6 +15,7 @@ RESTARTED = "the arm was restarted"
 def kept_values(dead: Sequence[DeadJoint], goal: LastGoal) -> dict[str, Any]:
     """What the next process is to know, as JSON has it."""
     joints = [{"name": one.name, "position": one.position, "holds": one.holds} for one in dead]
+    goal = goal.under_way or goal
     return {"dead": joints, "goal": {"stamp": goal.stamp, "moves": goal.state == "moving"}}
 
 

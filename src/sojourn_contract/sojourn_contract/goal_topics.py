@@ -5,6 +5,9 @@ from dataclasses import replace
 from sojourn_contract.field_rules import ANGLE, GOAL, GOAL_FRAMES, PLACE, TEXTS
 from sojourn_contract.topic_types import FieldRule, Topic
 
+REFUSAL_TOLD_NS = 2_000_000_000
+"""So long drive and arm tell that a goal was refused before they tell again of the one that goes on [ns]: two
+statuses."""
 GOAL_TOPICS: tuple[Topic, ...] = (
     Topic(
         "/cmd_vel",

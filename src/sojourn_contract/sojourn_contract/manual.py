@@ -4,6 +4,7 @@ from sojourn_contract.conformance.geometry import UNIT_TOLERANCE
 from sojourn_contract.conformance.joints import ANGLE_MARGIN, RATE_FACTOR
 from sojourn_contract.conformance.rates import LEAST_MESSAGES, RATE_TOLERANCE, WINDOW_S
 from sojourn_contract.events import MAX_AHEAD_S
+from sojourn_contract.goal_topics import REFUSAL_TOLD_NS
 from sojourn_contract.heartbeat import READY, RUNNING, WAITING_TO_MATCH
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topic_types import JOINT_SETS
@@ -77,7 +78,8 @@ SECTIONS: tuple[tuple[str, tuple[str, ...]], ...] = (
             "In lock-step the operator's tick says how many goals have been sent on each topic so far "
             "(frame_id '/goal_pose=1;/cmd_vel=3', 'end' ends the run): a node waits until it has that many.",
             f"/drive/status and /arm/status tell state ({', '.join(GOAL_STATES)}), goal_stamp (of the last goal, in "
-            "nanoseconds) and reason (words, may be empty).",
+            "nanoseconds) and reason (words, may be empty). A goal that is refused while another is under way is told "
+            f"for {REFUSAL_TOLD_NS * 1e-9:g} s; then the state is again that of the other one, which goes on.",
         ),
     ),
     (

@@ -31,7 +31,7 @@ from sojourn_drive.restart import LOST, kept_odometry, less_sure, lost, odometry
 from sojourn_drive.stereo import StereoInput
 from sojourn_drive.sun import SunSightings
 from sojourn_flight.hazards.keep_out import KeepOut
-from sojourn_flight.mobility.twist import PlanarTwist
+from sojourn_flight.mobility.twist import NO_MOTION, PlanarTwist
 from sojourn_flight.odometry.odometry import stood
 from sojourn_flight.odometry.visual_state import StereoImages
 from sojourn_flight.supervision.arbiter import why_pre_empted
@@ -78,7 +78,7 @@ class DriveApp(FlightApp[DriveAppState]):
 
     def to_keep(self, state: DriveAppState) -> dict[str, Any]:
         """Where it is, and whether it is on its way to a goal."""
-        last = state.asked.last
+        last = state.asked.last.under_way or state.asked.last
         goal = {"stamp": last.stamp, "moves": last.state == "moving"}
         return {"odometry": kept_odometry(state.drive.odometry), "goal": goal, "lost": state.is_lost}
 
@@ -138,7 +138,8 @@ class DriveApp(FlightApp[DriveAppState]):
                 asked = Asked(asked.last.given_up(reason), abandoned=reason, questioned=asked.questioned)
             state = replace(state, asked=asked, heard=replace(heard, usable_at=usable_at))
             output = _stopped(state.output)
-        state = replace(state, asked=replace(state.asked, last=state.asked.last.noted(output.outcomes)))
+        last = state.asked.last.noted(output.outcomes, state.asked.pending is not None).told(stamp)
+        state = replace(state, asked=replace(state.asked, last=last))
         missing = _missing(period)
         return state, Answer(self._messages(state, output, stamp, missing), refusals)
 
@@ -196,6 +197,8 @@ class DriveApp(FlightApp[DriveAppState]):
                 continue
             if name == QUESTION:
                 asked = self._take_question(state, asked, heard, message, refusals)
+            elif heard.interlock and name == "/cmd_vel" and _planar(message) == NO_MOTION:
+                continue  # it is asked to stand, and does
             elif heard.interlock:
                 asked = replace(asked, last=asked.last.refused(message, heard.interlock))
                 none = f"none while {heard.interlock}"

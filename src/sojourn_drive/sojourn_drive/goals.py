@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.goal_topics import REFUSAL_TOLD_NS
 from sojourn_contract.messages import yaw_of
 from sojourn_contract.values import Message, Path, PoseStamped
 from sojourn_flight.odometry.attitude import turned_in_plane
@@ -27,14 +28,26 @@ class GoalStatus:
     number: int = 0
     """Of the goal: goals are numbered as they come. Their stamps do not tell them apart: those that are stamped zero
     share it."""
+    goes_on: "GoalStatus | None" = None
+    """The goal that was under way when this one came, until this one has taken its place; if it is refused, the drive
+    goes on with it."""
+    until: int = 0
+    """So long a refusal is told before what goes on [ns]."""
+
+    @property
+    def under_way(self) -> "GoalStatus | None":
+        """What the drive is on its way to, as long as it has not taken a newer goal."""
+        if self.goes_on is not None:
+            return self.goes_on
+        return self if self.state == "moving" else None
 
     def begun(self, message: Message) -> "GoalStatus":
         """A new goal has come."""
-        return GoalStatus("moving", "", message.stamp, self.number + 1)
+        return GoalStatus("moving", "", message.stamp, self.number + 1, self.under_way)
 
     def refused(self, message: Message, reason: str) -> "GoalStatus":
         """A goal or a velocity command has come and was refused."""
-        return GoalStatus("refused", reason, message.stamp, self.number + 1)
+        return GoalStatus("refused", reason, message.stamp, self.number + 1, self.under_way)
 
     def pre_empted(self, stamp: int, unseen: str) -> "GoalStatus":
         """A velocity command stamped `stamp` [ns] has come: a goal on its way ends with the outcome that the drive
@@ -42,19 +55,35 @@ class GoalStatus:
         """
         if unseen:
             return replace(self, state="stopped", reason=unseen)
-        return self if self.state == "moving" else GoalStatus(stamp=stamp, number=self.number)
+        return self.under_way or GoalStatus(stamp=stamp, number=self.number)
 
     def given_up(self, reason: str) -> "GoalStatus":
         """The goal on its way has failed, as its measurements stay away."""
-        return replace(self, state="failed", reason=reason) if self.state == "moving" else self
+        if self.state == "moving":
+            return replace(self, state="failed", reason=reason)
+        return self if self.goes_on is None else replace(self, goes_on=self.goes_on.given_up(reason))
 
-    def noted(self, outcomes: Sequence[GoalOutcome]) -> "GoalStatus":
-        """With how it ended, if it has."""
+    def noted(self, outcomes: Sequence[GoalOutcome], waits: bool = False) -> "GoalStatus":
+        """With how it ended, if it has. waits: whether the drive has not seen it yet."""
         last = self
         for outcome in outcomes:
-            if outcome.goal.number == last.number and last.state == "moving":
-                last = replace(last, state=outcome.kind, reason=outcome.reason)
-        return last
+            last = last._after(outcome)
+        if last.goes_on is None or waits or last.state == "refused":
+            return last
+        return replace(last, goes_on=None)
+
+    def told(self, now: int) -> "GoalStatus":
+        """What is to be told at a time [ns]: a refusal, and after it the goal that goes on."""
+        if self.goes_on is None or self.state != "refused":
+            return self
+        if not self.until:
+            return replace(self, until=now + REFUSAL_TOLD_NS)
+        return self if now < self.until else self.goes_on
+
+    def _after(self, outcome: GoalOutcome) -> "GoalStatus":
+        if outcome.goal.number == self.number and self.state == "moving":
+            return replace(self, state=outcome.kind, reason=outcome.reason)
+        return self if self.goes_on is None else replace(self, goes_on=self.goes_on._after(outcome))
 
     def status(self, state: DriveState) -> dict[str, str]:
         """First fields of /drive/status."""

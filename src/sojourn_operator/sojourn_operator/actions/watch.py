@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from sojourn_contract.stamps import NANOSECONDS
-from sojourn_operator.steps.step import FINAL_STATES, REACHED, GoalReport
+from sojourn_operator.steps.step import FINAL_STATES, REACHED, REFUSED, GoalReport
 
 SUCCEEDED, ABORTED, CANCELED = "succeeded", "aborted", "canceled"
 """Words of action_msgs/GoalStatus for a goal that is over."""
@@ -53,7 +53,8 @@ class GoalWatch:
         if report is not None and report.goal_stamp == 0 and self.stop is not None and told > self.stop:
             return self, None if report.state == "moving" else Ending(CANCELED, report.state, report.reason)
         # Others' goals may be stamped zero: once this one is known, any other stamp is that of a later one.
-        if report is not None and (self.is_known or report.goal_stamp > self.stamp):
+        # One that was refused has not taken the place of this one.
+        if report is not None and report.state != REFUSED and (self.is_known or report.goal_stamp > self.stamp):
             return self, Ending(ABORTED, REPLACED, f"the {self.role} has been given something else to do")
         if now > self.stamp + round(SILENT_S * NANOSECONDS):
             reason = f"the {self.role} has told nothing of it within {SILENT_S:g} s of simulation time"

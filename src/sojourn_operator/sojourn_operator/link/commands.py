@@ -8,7 +8,7 @@ from sojourn_contract.goal_topics import GOAL_TOPICS
 from sojourn_contract.stamps import seconds
 from sojourn_contract.values import DiagnosticArray, Message
 from sojourn_operator.goal_messages import place_report_of, report_of, request_report_of
-from sojourn_operator.steps.step import FINAL_STATES, GoalReport
+from sojourn_operator.steps.step import FINAL_STATES, REFUSED, GoalReport
 
 QUEUED, SENT, RECEIVED, EXECUTED = "queued", "sent", "received", "executed"
 EXPIRED, CANCELLED, DROPPED, SUPERSEDED = "expired", "cancelled", "dropped", "superseded"
@@ -127,7 +127,7 @@ def settled(command: SentCommand, statuses: Mapping[str, DiagnosticArray]) -> Ma
         return None
     _, read, ends = answer
     report = read(status)
-    if report.goal_stamp > command.given:
+    if report.goal_stamp > command.given and report.state != REFUSED:
         return MachineWord(
             command.number, SUPERSEDED, status.stamp, "", "another goal has taken its place", command.given
         )
