@@ -15,15 +15,16 @@ from sojourn_config.command_errors import UsageError
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.errors import UnknownFieldNameError
-from sojourn_contract.heartbeat import STALLED, Counters, heartbeat_message, status_message
+from sojourn_contract.heartbeat import ENDED, STALLED, Counters, heartbeat_message, status_message
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topics import STANDARD
-from sojourn_contract.values import BatteryState
+from sojourn_contract.values import BatteryState, Message, PoseStamped, TwistStamped
 from sojourn_operator.alarms.engine import AlarmEngine, AlarmState
 from sojourn_operator.alarms.narrator import Narrator
 from sojourn_operator.alarms.params import AlarmParams, Severity
 from sojourn_operator.alarms.usual import tip_over_angle, usual_limits
 from sojourn_operator.alarms.watch import Watch, limits_of
+from sojourn_operator.goal_messages import drive_goal, stop_messages
 
 REFERENCE = Path(__file__).parents[1] / "replay" / "short_goals"
 CHARGE = "/battery_state"
@@ -123,6 +124,23 @@ def test_a_field_that_no_topic_has_is_refused() -> None:
         )
 
 
+def test_who_waits_for_a_keeper_of_time_that_has_ended_is_no_alarm() -> None:
+    """Every run in real time ended with a critical alarm for each of its nodes, in its bag and on every page."""
+    limits = {"roles": AlarmParams.model_validate({"field": "/diagnostics.state", "critical": {"equals": STALLED}})}
+    watch = Watch(limits, STANDARD)
+
+    def worst(*beats: tuple[str, str]) -> Severity:
+        state = watch.initial_state()
+        for second, (role, word) in enumerate(beats, 1):
+            message = heartbeat_message(role, word, second * NANOSECONDS, Counters())
+            state, _ = watch.step(state, "/diagnostics", message)
+        return state.alarms.worst
+
+    assert worst(("plant", "running"), ("plant", ENDED), ("drive", STALLED), ("drive", ENDED)) is Severity.NONE
+    assert worst(("drive", ENDED), ("arm", STALLED)) is Severity.CRITICAL
+    assert worst(("plant", ENDED), ("plant", "running"), ("drive", STALLED)) is Severity.CRITICAL
+
+
 def test_the_log_has_what_nodes_goals_and_contract_say_each_once() -> None:
     narrator = Narrator(STANDARD)
     state, lines = narrator.initial_state(), []
@@ -147,6 +165,50 @@ def test_the_log_has_what_nodes_goals_and_contract_say_each_once() -> None:
         state, events = narrator.step(state, "/drive/status", message)
         said += [event.text for event in events]
     assert said == ["moving", "reached: there"]
+
+
+def told(*heard: tuple[str, Message]) -> list[tuple[float, str]]:
+    """What the log says of these, with its time [s]."""
+    watch = Watch({}, STANDARD)
+    state, log = watch.initial_state(), []
+    for name, message in heard:
+        state, events = watch.step(state, name, message)
+        log += [(event.stamp / NANOSECONDS, event.text) for event in events]
+    return log
+
+
+def twist(second: float, forward: float = 0.05) -> tuple[str, TwistStamped]:
+    return "/cmd_vel", TwistStamped(
+        round(second * NANOSECONDS), "base_link", np.array([forward, 0.0, 0.0]), np.zeros(3)
+    )
+
+
+STOP, ARM_STOP = stop_messages(0)
+STANDS = "/cmd_vel: 0.00 m/s, 0.00 rad/s"
+DRIVES = "/cmd_vel: 0.05 m/s, 0.00 rad/s"
+
+
+def test_a_stop_is_in_the_log_at_its_time() -> None:
+    """It has no stamp, and after any velocity none was there: it counted as one more of the stream."""
+    assert told(twist(100.0), STOP, twist(500.0), STOP, ARM_STOP) == [
+        (100.0, DRIVES), (100.0, STANDS), (500.0, DRIVES), (500.0, STANDS), (500.0, "/arm/stop: sent"),
+    ]  # fmt: skip
+    assert told(STOP) == [(0.0, STANDS)]
+
+
+def test_velocities_that_come_often_are_one_command_until_they_are_zero() -> None:
+    stream = [twist(100.0 + 0.1 * number) for number in range(5)]
+    zeros = [twist(100.5 + 0.1 * number, 0.0) for number in range(5)]
+    assert told(*stream, *zeros, twist(101.0)) == [(100.0, DRIVES), (100.5, STANDS), (101.0, DRIVES)]
+
+
+def test_a_stop_after_a_goal_is_told_though_another_came_shortly_before() -> None:
+    goal: tuple[str, PoseStamped] = ("/goal_pose", drive_goal(round(100.5 * NANOSECONDS), (1.0, 0.0), None))
+    assert [text for _, text in told(twist(100.0, 0.0), goal, STOP)][::2] == [STANDS, STANDS]
+
+
+def test_velocities_of_a_run_that_was_started_anew_are_told() -> None:
+    assert told(twist(500.0), twist(5.0)) == [(500.0, DRIVES), (5.0, DRIVES)]
 
 
 def test_the_tip_over_angle_is_that_at_which_gravity_leaves_the_wheels() -> None:

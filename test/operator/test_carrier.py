@@ -9,7 +9,7 @@ from sojourn_contract.heartbeat import status_message
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import Message, PoseStamped
 from sojourn_operator.actions.carrier import Carrier
-from sojourn_operator.actions.watch import ABORTED, CANCELED, Ending
+from sojourn_operator.actions.watch import ABORTED, CANCELED, SUCCEEDED, Ending
 from sojourn_operator.goal_sending import STATUS_TOPICS, GoalClient, TwoClocksError
 
 SENT = 7_000_000_000
@@ -55,6 +55,11 @@ class Served:
         self.goal = SimpleNamespace(is_cancel_requested=False, request=None, publish_feedback=lambda _: None)
         self._waiting: list[Any] = [self.goal]
         self.ended: list[Ending] = []
+        self.over: list[Any] = []
+
+    def take(self) -> None:
+        """One more goal comes before the next look."""
+        self._waiting.append(SimpleNamespace(**vars(self.goal)))
 
     def taken(self) -> list[Any]:
         waiting, self._waiting = self._waiting, []
@@ -62,6 +67,7 @@ class Served:
 
     def end(self, goal: Any, ending: Ending, result: Any) -> None:
         self.ended.append(ending)
+        self.over.append(goal)
 
 
 @pytest.mark.parametrize(
@@ -107,3 +113,34 @@ def test_a_goal_that_cannot_be_sent_ends_and_the_adapter_goes_on(monkeypatch: py
     assert "2 nodes publish /clock" in server.ended[0].reason
     with pytest.raises(TwoClocksError):
         client.send("drive", "/goal_pose", GOAL)
+
+
+def test_of_two_goals_that_cannot_be_sent_each_has_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second, taken in the same look, was dropped without a result, and its client waited for ever."""
+    client, server = Beside(monkeypatch), Served("drive", "/goal_pose")
+    client.clocks = 2
+    server.take()
+    Carrier(client, server, {}).step()  # type: ignore[arg-type]
+    assert [ending.word for ending in server.ended] == [ABORTED, ABORTED]
+    assert server.over[0] is server.goal and server.over[1] is not server.goal
+    assert all("2 nodes publish /clock" in ending.reason for ending in server.ended)
+
+
+def test_a_goal_behind_one_that_cannot_be_sent_goes_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    client, server = Beside(monkeypatch), Served("drive", "/goal_pose")
+    server.take()
+    answers = iter([TwoClocksError("2 nodes publish /clock"), None])
+    send = client.send
+
+    def sends(*given: Any) -> int:
+        if (error := next(answers)) is not None:
+            raise error
+        return send(*given)
+
+    monkeypatch.setattr(client, "send", sends)
+    carrier = Carrier(client, server, {})  # type: ignore[arg-type]
+    carrier.step()
+    assert [name for name, _ in client.sent] == ["/goal_pose"] and len(server.ended) == 1
+    client.tell("drive", "reached", SENT)
+    carrier.step()
+    assert [ending.word for ending in server.ended] == [ABORTED, SUCCEEDED]

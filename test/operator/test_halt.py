@@ -9,7 +9,7 @@ import pytest
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
-from sojourn_operator import goal_sending
+from sojourn_operator import clock_watch, goal_sending
 from sojourn_operator.goal_sending import STATUS_TOPICS, STOP_TOPICS, GoalClient, TwoClocksError
 
 
@@ -26,6 +26,8 @@ class Busy(GoalClient):
         self.found, self.held = found, held
         self.looks = 0
         self.sent: list[str] = []
+        self.told: dict[str, str] = {}
+        """Further fields of the statuses."""
 
     def sender(self, row: Topic) -> Any:
         return SimpleNamespace(topic_name=row.name, publish=lambda _: self.sent.append(row.name))
@@ -35,13 +37,14 @@ class Busy(GoalClient):
         for who in STOP_TOPICS:
             state = "stopped" if STOP_TOPICS[who] in self.sent else "moving"
             if self.looks >= self.found.get(who, 10**9):
-                values = {"state": state, "goal_stamp": "0", "reason": "", "distance_to_go": "0"}
+                values = {"state": state, "goal_stamp": "0", "reason": "", "distance_to_go": "0", **self.told}
                 self.statuses[who] = status_message(20, STATUS_TOPICS[who], values)
 
-    def _is_heard(self, sender: Any) -> bool:
-        return any(
+    def _listeners(self, sender: Any) -> Any:
+        found = any(
             sender.topic_name == name and self.looks >= self.found.get(who, 10**9) for who, name in STOP_TOPICS.items()
         )
+        return SimpleNamespace(are_all_there=found, somebody_acts=found)
 
     def _held(self) -> list[str]:
         return list(self.held)
@@ -79,6 +82,57 @@ def test_who_never_listens_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert Busy({"arm": 0}, ["drive", "arm"]).halt() == (False, "stop not heard by drive within 0.2 s")
 
 
+def test_a_drive_that_follows_somebody_s_velocities_does_not_stand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its state is idle, as it has no goal: the stop was told as done, and the rover rolled on."""
+    monkeypatch.setattr(goal_sending, "STOPPED_S", 0.2)
+    monkeypatch.setattr(goal_sending, "STOP_AGAIN_S", 0.0)
+    busy = Busy({"drive": 0}, ["drive"])
+    busy.told = {"mode": "cmd_vel", "speed_m_s": "0.050"}
+    stands, words = busy.halt()
+    assert not stands and "somebody else sends them on /cmd_vel" in words
+    assert busy.sent.count("/cmd_vel") > 1, "it is told again"
+    busy.told = {"mode": "idle", "speed_m_s": "0.050"}
+    assert busy.halt() == (False, "stop sent, but drive did not say within 0.2 s that it stands")
+    busy.told = {"mode": "idle", "speed_m_s": "0.000"}
+    assert busy.halt() == (True, "drive: stopped")
+
+
+class Following(GoalClient):
+    """A client that has sent a goal stamped 7; what the drive tells at each look, as state and stamp, and when."""
+
+    def __init__(self, *looks: Sequence[tuple[str, int, int]]) -> None:
+        super().__init__(0, "")
+        self.now = self._last_stamp = 7
+        self._looks_left = list(looks)
+
+    def spin(self, wall_s: float) -> None:
+        for state, stamp, now in self._looks_left.pop(0) if self._looks_left else ():
+            self.now = now
+            values = {"state": state, "goal_stamp": str(stamp), "reason": "", "distance_to_go": "1.0"}
+            self._keep("drive")(status_message(now, "drive", values))
+
+
+def test_what_a_fast_stack_has_told_between_two_looks_is_not_missed() -> None:
+    client = Following([("moving", 3, 20), ("refused", 7, 40), ("moving", 3, 60)])
+    assert client.follow("drive", 60.0) == ("refused", "")
+
+
+def test_a_goal_that_another_was_refused_beside_is_followed_to_its_end() -> None:
+    client = Following([("moving", 7, 20)], [("refused", 90, 100)], [("moving", 7, 200)], [("reached", 7, 300)])
+    assert client.follow("drive", 60.0) == ("reached", "")
+
+
+def test_a_goal_that_is_nobody_s_any_more_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was, for an hour, and without a word."""
+    outcome, reason = Following([("moving", 7, 20)], [("moving", 90, 100)]).follow("drive", 60.0)
+    assert (outcome, reason) == ("replaced", "the drive has been given something else to do")
+    outcome, reason = Following([("moving", 7, 20)], [("idle", 0, 5)]).follow("drive", 60.0)
+    assert outcome == "not known" and "gone back: the stack was started anew" in reason
+    monkeypatch.setattr(goal_sending, "ANSWER_S", 0.0)
+    outcome, reason = Following([("idle", 0, 20)], [("idle", 0, 20_000_000_000)]).follow("drive", 60.0)
+    assert outcome == "not known" and "told nothing of it within 10 s of simulation time" in reason
+
+
 @pytest.mark.parametrize(
     ("task", "shown"), [("pause", "moving, coming to rest"), ("resume", "moving, 100 % done, 0.00 s to go")]
 )
@@ -113,7 +167,7 @@ def test_a_goal_of_a_stack_that_has_ended_is_not_followed_for_ever(monkeypatch: 
                 self.now += 20_000_000
 
     client = Ended({"drive": 0}, ["drive"])
-    monkeypatch.setattr(goal_sending, "QUIET_S", 0.01)
+    monkeypatch.setattr(clock_watch, "QUIET_S", 0.01)
     outcome, reason = client.follow("drive", 600.0)
     assert outcome == "not known" and "the simulation time has stood still" in reason
     assert client.looks == 3

@@ -18,6 +18,7 @@ from sojourn_machine.status_keys import KEYS
 from sojourn_operator.sequence.condition import conditions
 from sojourn_operator.sequence.file import SequenceConfig, read_sequence, scenario_text, sequence_text
 from sojourn_operator.sequence.runner import SequenceInput, SequenceRunner, SequenceState
+from sojourn_operator.sequence.stream import dropped_s
 from sojourn_operator.sequence_command import main
 from sojourn_operator.steps.step import LEAD_NS, GoalReport, RunFacts
 
@@ -232,3 +233,63 @@ def test_time_that_stands_still_sends_a_goal_once() -> None:
     for now in (NANOSECONDS, NANOSECONDS, 2 * NANOSECONDS):
         state, goals = one.look(state, now, SequenceInput())
         assert not goals
+
+
+VELOCITY = {"drive_velocity": {"forward": 0.05, "seconds": 1.0}}
+JOG = {"arm_jog": {"linear": [0.01, 0.0, 0.0], "seconds": 1.0}}
+
+
+@pytest.mark.parametrize("step", [VELOCITY, JOG, {"begin": {"step": VELOCITY, "seconds": 3.0}}])
+@pytest.mark.parametrize(("apart", "fails"), [(0.2, False), (0.22, True), (0.4, True), (20.0, True)])
+def test_a_velocity_that_the_machine_drops_between_two_looks_fails(
+    step: dict[str, object], apart: float, fails: bool
+) -> None:
+    """It drove 0.02 m of 0.25 beside a stack at 8 times real time, which was told as good."""
+    one, now, sent = runner({**step, "on_failure": "skip"}), NANOSECONDS, []
+    state = one.initial_state()
+    for _ in range(30):
+        rests = {"arm": GoalReport("stopped", now)}
+        state, goals = one.look(state, now, SequenceInput(rests if now > 3 * NANOSECONDS else {}))
+        sent += [goal.topic for goal in goals]
+        now += round(apart * NANOSECONDS)
+    assert state.is_over and one.is_good(state) is not fails
+    (entry,) = state.history
+    assert ("the stack is too fast for velocities" in entry.reason) is fails
+    if fails and apart < 1.0:
+        assert entry.outcome == "failed"
+        assert sent[-1] == ("/arm/stop" if step is JOG else "/cmd_vel")
+
+
+def test_how_long_a_machine_waits_for_the_next_velocity_is_its_own_affair() -> None:
+    omni = load_scenario("flat_drive", ["machine=omni"])
+    assert dropped_s(omni)["drive"] == omni.driving.cmd_vel_timeout == 0.5
+    config = SequenceConfig.model_validate({"steps": [VELOCITY]})
+    one = SequenceRunner(config, STANDARD, RunFacts(), dropped_s(omni))
+    state = one.initial_state()
+    for look in range(20):
+        state, _ = one.look(state, NANOSECONDS + look * NANOSECONDS * 2 // 5, SequenceInput())
+    assert one.is_good(state)
+
+
+def test_a_jog_whose_zeros_are_late_is_good() -> None:
+    """It moved for as long as it was to: the zeros after that only ask for the arm's word that it rests."""
+    one = runner(JOG)
+    state = one.initial_state()
+    for second in (1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 3.0, 4.0):
+        now = round(second * NANOSECONDS)
+        state, _ = one.look(state, now, SequenceInput({"arm": GoalReport("stopped", now)} if second > 3.0 else {}))
+    assert one.is_good(state)
+
+
+def test_what_only_a_person_can_let_go_on() -> None:
+    one = runner({"wait_s": 1.0}, {**DRIVE, "hold": True}, DRIVE)
+    run = Run(one)
+    assert not one.waits_for_person(run.state)
+    run.go(0.5)
+    run.state = one.hold(run.state, "anna", run.now)
+    assert not one.waits_for_person(run.state)  # the step under way goes on
+    run.go(2.0)
+    assert one.waits_for_person(run.state)
+    run.state = one.resume(run.state, "anna", run.now)
+    run.go(5.0)
+    assert run.state.phase == "ended" and not one.waits_for_person(run.state)

@@ -31,8 +31,8 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Watch. 0 without a critical alarm that nobody has acknowledged, 1 with one or if the bag is cut off, 2 if there
-    was nothing to watch.
+    """Watch. 0 without a critical alarm that nobody has acknowledged, 1 with one, if the bag is cut off, or the stack
+    silent and not at its end, 2 if there was nothing to watch.
     """
     given = parser().parse_args(arguments)
     from sojourn_bringup.alarms_run import run  # not above: --help needs none of it

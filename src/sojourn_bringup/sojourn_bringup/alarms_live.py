@@ -9,13 +9,15 @@ from sojourn_bringup.alarm_lines import alarm_lines
 from sojourn_bringup.contract_live import NothingRunsError
 from sojourn_config.command_line import say
 from sojourn_contract.codecs import encode
+from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.values import Message
 from sojourn_operator.alarms.events import Event
+from sojourn_operator.alarms.presence import Presence
 from sojourn_operator.alarms.watch import TOPIC, Watch, WatchState
 from sojourn_operator.desk import Desk
 
-FOUND_S, SILENT_S = 20.0, 5.0
-"""Wall time within which a stack must be heard, and after whose last message a run counts as over."""
+FOUND_S = 20.0
+"""Wall time within which a stack must be heard."""
 SAY_S = 1.0
 """Between two messages on /alarms, if nothing happens."""
 HELP = "a: acknowledge all, a NAME: one, l: list, q: end"
@@ -33,11 +35,15 @@ class AlarmDesk(Desk):
         self.watch, self.who = watch, who
         self.state: WatchState = watch.initial_state()
         self.log: list[Event] = []
-        self._heard = 0.0
+        self._presence = Presence(watch.keeper)
         self._ends = False
 
-    def run(self, seconds: float | None, publish: bool) -> None:
-        """Watch for so long [s], or until the run is over. Raises NothingRunsError if there is none."""
+    def run(self, seconds: float | None, publish: bool) -> bool:
+        """Watch for so long [s], or until the run is over or lost. Returns whether it was not silent at the end. Raises
+        NothingRunsError if there is none.
+        """
+        presence = self._presence
+        clock = self.listen(self.watch.table.topic(CLOCK), presence.hear_time, lockstep=False)
         readers = [
             self.listen(row, partial(self._take, row.name), role="recorder")
             for row in map(self.watch.table.topic, self.watch.topics)
@@ -46,7 +52,7 @@ class AlarmDesk(Desk):
         sender = self.sender(row) if publish else None
         begin, said, told = time.monotonic(), 0.0, 0
         somebody_types = True
-        if sys.stdin.isatty():
+        if sys.stdin is not None and sys.stdin.isatty():
             say(HELP)
         while not self.stop.is_set and not self._ends and (seconds is None or time.monotonic() - begin < seconds):
             self.spin(0.05)
@@ -55,15 +61,19 @@ class AlarmDesk(Desk):
             if sender is not None and (now - said > SAY_S or len(self.log) > told):
                 sender.publish(encode(row, self.watch.message(self.state)))
                 said, told = now, len(self.log)
-            if not self._heard and now - begin > FOUND_S:
+            if not presence.is_heard and now - begin > FOUND_S:
                 raise NothingRunsError(f"nothing was heard on {self.place} (start a stack with scripts/start.py)")
-            if self._heard and now - self._heard > SILENT_S:
+            self._tell(presence.look(self.state.now))
+            if presence.lost:
+                break
+            if presence.is_over:
                 say("the run is over")
                 break
-        del readers
+        del readers, clock
+        return not (presence.is_silent or presence.lost)
 
     def _take(self, topic: str, message: Message) -> None:
-        self._heard = time.monotonic()
+        self._presence.hear(topic, message)
         self.state, events = self.watch.step(self.state, topic, message)
         self._tell(events)
 
@@ -74,6 +84,8 @@ class AlarmDesk(Desk):
 
     def _listen_to_person(self) -> bool:
         """Obey what has been typed, if anything. False once nobody can type any more."""
+        if sys.stdin is None:  # started with its input closed
+            return False
         if not select.select([sys.stdin], [], [], 0.0)[0]:
             return True
         line = sys.stdin.readline()

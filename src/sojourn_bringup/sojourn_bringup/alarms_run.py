@@ -33,13 +33,13 @@ def run(given: argparse.Namespace) -> int:
                                   for name, params in limits.items()}, sort_keys=False), end="")  # fmt: skip
             return 0
         bags = [] if given.bag is None else [read_bag(given.bag)]
-        watch, state, log = _of_bag(bags[0], given.limits) if bags else _of_stack(given)
+        watch, state, log, is_heard = (*_of_bag(bags[0], given.limits), True) if bags else _of_stack(given)
     except (BagsError, UnknownFieldNameError) as error:
         raise UsageError(str(error)) from error
     command_line.say("\n".join(alarm_lines(watch, state)))
     if given.json is not None:
         _write(given.json, watch, state, log)
-    return unless_cut_off(1 if state.alarms.worst is Severity.CRITICAL else 0, bags)
+    return unless_cut_off(1 if state.alarms.worst is Severity.CRITICAL or not is_heard else 0, bags)
 
 
 def _of_bag(bag: Bag, limits: Path | None) -> tuple[Watch, WatchState, list[Event]]:
@@ -49,14 +49,15 @@ def _of_bag(bag: Bag, limits: Path | None) -> tuple[Watch, WatchState, list[Even
     return watch, state, log
 
 
-def _of_stack(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event]]:
+def _of_stack(given: argparse.Namespace) -> tuple[Watch, WatchState, list[Event], bool]:
+    """Last, whether the run was not silent at the end."""
     from sojourn_bringup.alarms_live import AlarmDesk  # not above: a bag needs no ROS
 
     scenario = named_scenario(given.scenario, given.machine, SCENARIO)
     watch = Watch(limits_of(scenario, given.limits), table_of(scenario))
     with AlarmDesk(given.domain, given.namespace, watch, given.who or getpass.getuser()) as desk:
-        desk.run(given.seconds, given.publish)
-    return watch, desk.state, desk.log
+        is_heard = desk.run(given.seconds, given.publish)
+    return watch, desk.state, desk.log, is_heard
 
 
 def _write(file: Path, watch: Watch, state: WatchState, log: Sequence[Event]) -> None:

@@ -35,6 +35,7 @@ from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import ROLES, Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
+from sojourn_operator.listeners import Listeners
 
 CLOCK = "/clock"
 ROLE = BY_HAND
@@ -220,14 +221,13 @@ class LiveFeed:
             self._senders[row.name] = self._node.create_publisher(
                 message_class(row.type), row.name.lstrip("/"), profile
             )
-        sender = self._senders[row.name]
-        for _ in range(round(_MATCH_S / _SPIN_S)):
-            listeners = self._node.get_subscriptions_info_by_topic(sender.topic_name)
-            acting = [one for one in listeners if one.node_name not in ("recorder", ROLE)]
-            if acting and sender.get_subscription_count() >= len(listeners):
-                sender.publish(data)
-                break
+        sender, end = self._senders[row.name], monotonic() + _MATCH_S
+        heard = Listeners(self._node, sender, (ROLE,))
+        while not heard.are_all_there and monotonic() < end:
             self._executor.spin_once(timeout_sec=_SPIN_S)
+            heard = Listeners(self._node, sender, (ROLE,))
+        if heard.somebody_acts:  # who else wants it is not waited for any longer
+            sender.publish(data)
         else:
             problems.append(f"nobody acts on it: is the role {' or '.join(row.subscribers)} there?")
         done.set()

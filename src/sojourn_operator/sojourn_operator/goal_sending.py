@@ -1,7 +1,7 @@
 """Sends a goal and follows it: for scripts/goal."""
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, Self
 
 from sojourn_config import command_line
@@ -17,6 +17,8 @@ from sojourn_contract.topic_table import CLOCK
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, topic
 from sojourn_contract.values import Clock, DiagnosticArray, Header, Message
+from sojourn_operator.actions.watch import SILENT, GoalWatch
+from sojourn_operator.clock_watch import ClockWatch
 from sojourn_operator.desk import Desk
 from sojourn_operator.fault_sending import answer_of
 from sojourn_operator.goal_messages import (
@@ -29,13 +31,11 @@ from sojourn_operator.goal_messages import (
 )
 from sojourn_operator.link.commands import ANSWERS, CANCELLED, OVER, RECEIVED
 from sojourn_operator.link.view import CommandLines, LinkView
+from sojourn_operator.listeners import Listeners
 from sojourn_operator.start_watch import StartWatch
-from sojourn_operator.steps.step import FINAL_STATES
 
 ANSWER_S = 5.0
 """Wall time within which a running stack must be found."""
-QUIET_S = 30.0
-"""Wall time without a word after which nobody waits for one any more."""
 SHOW_S = 1.0
 STATUS_TOPICS = {"drive": "/drive/status", "arm": "/arm/status", "power": "/power/status"}
 GOALS = {
@@ -55,11 +55,17 @@ ENDS = {"power": (DONE, "waiting", "refused"), "here": (DONE, "refused")}
 """States in which there is nothing to wait for; of goals FINAL_STATES. A load that waits comes back by itself."""
 REPORTS = {"power": request_report_of, "here": place_report_of}
 """How the answer to a command is read in a status; `report_of` for all others."""
-UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
-"""Name that ROS gives to a node of which it knows an endpoint only, so far."""
+MOST_UNREAD = 1000
+NOT_KNOWN = "not known"
+BY_VELOCITY = "cmd_vel"
+"""Mode of a drive that follows velocities."""
+STANDING_M_S = 0.01
+"""Slower than that the rover stands."""
 STOP_SETTLE_S = 0.2
 STOPPED_S = 10.0
 """Wall time within which drive and arm must say that they stand; their statuses come once a simulated second."""
+STOP_AGAIN_S = 1.0
+"""Wall time after which a stop is sent again to who does not stand."""
 INTERRUPTED = 130
 
 
@@ -83,6 +89,8 @@ class GoalClient(Desk):
         self.now = 0
         """Simulation time [ns]; zero until a stamped status has come."""
         self.statuses: dict[str, DiagnosticArray] = {}
+        self._unread: dict[str, list[DiagnosticArray]] = {}
+        """Statuses that have come since the last look at them, by role: of a fast stack many at once."""
         self.over_link = False
         """Whether what has just been sent goes over a link to Earth."""
         self.beats: dict[str, Heartbeat] = {}
@@ -153,7 +161,8 @@ class GoalClient(Desk):
     def _sender_to_listener(self, who: str, row: Topic) -> Any:
         """As `sender_to`, whoever tells the time."""
         sender = self.sender(row)
-        if not self._await(lambda: bool(self._is_heard(sender) and self.now)):
+        is_there = self._await(lambda: bool(self._is_heard(sender) and self.now))
+        if not is_there and not (self._listeners(sender).somebody_acts and self.now):
             what = "its simulation time does not run" if self._is_heard(sender) else f"nobody acts on {row.name}"
             raise NoStackError(self._nobody(who, what))
         return sender
@@ -175,7 +184,7 @@ class GoalClient(Desk):
         messages = stop_messages(0)
         rows = {name: topic(name) for name, _ in messages}
         senders = {name: self.sender(row) for name, row in rows.items()}
-        if not self._await(lambda: any(self._is_heard(sender) for sender in senders.values())):
+        if not self._await(lambda: any(self._listeners(sender).somebody_acts for sender in senders.values())):
             raise NoStackError(self._nobody("drive or arm", f"nobody acts on {' or '.join(senders)}"))
         if self.has_link():
             rows = {name: on_earth(row) for name, row in rows.items()}
@@ -191,22 +200,26 @@ class GoalClient(Desk):
         Args:
             senders: of the stop messages, by topic.
         """
-        messages, told = dict(stop_messages(0)), set[str]()
-        end = time.monotonic() + STOPPED_S
-        while time.monotonic() < end and not self.stop.is_set:
+        messages, sent_at, begin = dict(stop_messages(0)), dict[str, float](), time.monotonic()
+        while (now := time.monotonic()) < begin + STOPPED_S and not self.stop.is_set:
             for who, name in STOP_TOPICS.items():
-                if who not in told and self._is_heard(senders[name]):
-                    senders[name].publish(encode(topic(name), messages[name]))
+                heard = self._listeners(senders[name])
+                if who not in sent_at and (heard.are_all_there or (heard.somebody_acts and now > begin + ANSWER_S)):
                     self.statuses.pop(who, None)
-                    told.add(who)
+                elif who not in sent_at or now < sent_at[who] + STOP_AGAIN_S or self._stands(who):
+                    continue
+                senders[name].publish(encode(topic(name), messages[name]))
+                sent_at[who] = now
             self.spin(0.05)
-            asked = self._asked_to_stop(told)
-            if told.issuperset(asked) and all(self._stands(who) for who in asked):
+            asked = self._asked_to_stop(sent_at)
+            if asked and all(who in sent_at and self._stands(who) for who in asked):
                 return True, ", ".join(f"{who}: {report_of(self.statuses[who]).state}" for who in asked)
-        asked = self._asked_to_stop(told)
-        silent = [who for who in asked if who not in told]
+        asked = self._asked_to_stop(sent_at)
+        silent = [who for who in asked if who not in sent_at]
         if silent:
             return False, f"stop not heard by {' and '.join(silent)} within {STOPPED_S:g} s"
+        if "drive" in self.statuses and status_values(self.statuses["drive"]).get("mode") == BY_VELOCITY:
+            return False, "stop sent, but the drive goes on by velocities: somebody else sends them on /cmd_vel"
         moving = " and ".join(who for who in asked if not self._stands(who))
         return False, f"stop sent, but {moving} did not say within {STOPPED_S:g} s that it stands"
 
@@ -225,41 +238,59 @@ class GoalClient(Desk):
 
     def _stands(self, who: str) -> bool:
         status = self.statuses.get(who)
-        return status is not None and report_of(status).state != "moving"
+        if status is None or report_of(status).state == "moving":
+            return False
+        values = status_values(status)
+        return abs(_number(values.get("speed_m_s", ""))) < STANDING_M_S and values.get("mode") != BY_VELOCITY
 
     def follow(self, command: str, timeout_s: float) -> tuple[str, str]:
         """Show the progress of the goal just sent until it ends. Returns outcome and reason."""
         who, name = GOALS[command]
         if self.over_link:
             return self._follow_over_link(name, timeout_s)
-        read = REPORTS.get(command, report_of)
-        begin = said_at = moved_at = time.monotonic()
-        now = self.now
-        while not self.stop.is_set and time.monotonic() - begin < timeout_s:
-            self.spin(0.05)
-            if self.now != now:
-                now, moved_at = self.now, time.monotonic()
-            elif (still_s := time.monotonic() - moved_at) > QUIET_S:
-                return "not known", f"the simulation time has stood still for {still_s:.0f} s: has the stack ended?"
-            status = self.statuses.get(who)
-            if status is None:
-                continue
-            report = read(status)
-            if report.goal_stamp == self._last_stamp and report.state in ENDS.get(command, FINAL_STATES):
-                return report.state, report.reason
-            if time.monotonic() - said_at > SHOW_S and report.goal_stamp == self._last_stamp:
+        if command in ENDS:
+            return self._follow_request(command, timeout_s)
+        watch, begin = GoalWatch(who, self._last_stamp), time.monotonic()
+        said_at = begin
+        for gone in self._looks(timeout_s):
+            if gone:
+                return NOT_KNOWN, gone
+            for status in self._unread.pop(who, [self.statuses.get(who)]):
+                report = None if status is None else report_of(status)
+                watch, ending = watch.step(report, self.now, 0 if status is None else status.stamp)
+                if ending is None or (ending.cause == SILENT and time.monotonic() < begin + ANSWER_S):
+                    continue
+                return NOT_KNOWN if ending.cause == SILENT else ending.cause, ending.reason
+            last = self.statuses.get(who)
+            if last is not None and watch.is_known and time.monotonic() > said_at + SHOW_S:
                 said_at = time.monotonic()
-                left = "coming to rest" if self._pauses else _to_go(who, status_values(status))
-                command_line.say(f"{seconds(self.now):9.2f} s  {report.state}, {left}")
+                left = "coming to rest" if self._pauses else _to_go(who, status_values(last))
+                command_line.say(f"{seconds(self.now):9.2f} s  {report_of(last).state}, {left}")
+        return self._not_finished("goal", timeout_s)
+
+    def _follow_request(self, command: str, timeout_s: float) -> tuple[str, str]:
+        """As `follow`, of what is answered at once, in fields of its own."""
+        who, _ = GOALS[command]
+        for gone in self._looks(timeout_s):
+            if gone:
+                return NOT_KNOWN, gone
+            for status in self._unread.pop(who, []):
+                report = REPORTS[command](status)
+                if report.goal_stamp == self._last_stamp and report.state in ENDS[command]:
+                    return report.state, report.reason
+        return self._not_finished("request", timeout_s)
+
+    def _not_finished(self, what: str, timeout_s: float) -> tuple[str, str]:
         if self.stop.is_set:
-            return "interrupted", "the goal goes on: stop it with scripts/goal stop"
-        return "not finished", f"within {timeout_s:g} s of wall time; the goal goes on"
+            return "interrupted", f"the {what} goes on: stop it with scripts/goal stop"
+        return "not finished", f"within {timeout_s:g} s of wall time; the {what} goes on"
 
     def _follow_over_link(self, name: str, timeout_s: float) -> tuple[str, str]:
         """As `follow`, by what the Earth knows."""
-        lines, end = CommandLines(), time.monotonic() + timeout_s
-        while not self.stop.is_set and time.monotonic() < end:
-            self.spin(0.05)
+        lines = CommandLines()
+        for gone in self._looks(timeout_s):
+            if gone:
+                return NOT_KNOWN, gone
             values = self.link.command(name, self._last_stamp)
             for line in lines.new(values, self.link.state):
                 command_line.say(line)
@@ -271,9 +302,9 @@ class GoalClient(Desk):
 
     def answer(self, timeout_s: float) -> dict[str, str] | None:
         """The drive's answer to the question just sent, fields of its status; None if none comes in that time."""
-        end = time.monotonic() + timeout_s
-        while not self.stop.is_set and time.monotonic() < end:
-            self.spin(0.05)
+        for gone in self._looks(timeout_s):
+            if gone:
+                raise NoStackError(gone)
             heard, stamp = self.statuses, str(self._last_stamp)
             if self.over_link:
                 heard = self.link.telemetry
@@ -291,13 +322,13 @@ class GoalClient(Desk):
 
     def watch(self, event: FaultEvent, before: Mapping[str, Heartbeat], timeout_s: float) -> tuple[str, str]:
         """What becomes of the fault just sent. before: heartbeats from before that."""
-        end = time.monotonic() + timeout_s
-        while not self.stop.is_set and time.monotonic() < end:
-            self.spin(0.05)
+        for gone in self._looks(timeout_s):
+            if gone:
+                return NOT_KNOWN, gone
             answer = answer_of(event, before, self.beats)
             if answer is not None:
                 return answer
-        return "not known", f"{event.fault.role} has not said so within {timeout_s:g} s of wall time"
+        return NOT_KNOWN, f"{event.fault.role} has not said so within {timeout_s:g} s of wall time"
 
     def _hear(self, message: DiagnosticArray) -> None:
         self._start.hear(message)
@@ -306,11 +337,19 @@ class GoalClient(Desk):
     def _held(self) -> list[str]:
         return held_roles(self.domain, self.namespace, ROLES)
 
+    def _looks(self, timeout_s: float) -> Iterator[str]:
+        """Looks at what has come, for so long [s] at most; each with why nothing more will come, empty while it may."""
+        clock, end = ClockWatch(self.now), time.monotonic() + timeout_s
+        while not self.stop.is_set and time.monotonic() < end:
+            self.spin(0.05)
+            yield clock.look(self.now)
+
+    def _listeners(self, sender: Any) -> Listeners:
+        return Listeners(self._node, sender)
+
     def _is_heard(self, sender: Any) -> bool:
-        """Whether somebody who acts on it gets what is sent, and all others who want it. The recorder does not act."""
-        listeners = self._node.get_subscriptions_info_by_topic(sender.topic_name)
-        acting = [listener for listener in listeners if listener.node_name not in ("recorder", UNKNOWN_NODE)]
-        return bool(acting) and sender.get_subscription_count() >= len(listeners)
+        """Whether somebody who acts on it gets what is sent, and all others who can have it."""
+        return self._listeners(sender).are_all_there
 
     def _await(self, is_there: Callable[[], bool]) -> bool:
         """Wait for a stack until it is there, ANSWER_S at most, or for so long as it is starting."""
@@ -332,11 +371,21 @@ class GoalClient(Desk):
         def keep(message: DiagnosticArray) -> None:
             report_of(message)  # which refuses what is no report
             self.statuses[who] = message
+            self._unread.setdefault(who, []).append(message)
+            del self._unread[who][:-MOST_UNREAD]
 
         return keep
 
     def _on_clock(self, message: Clock) -> None:
         self.now = message.stamp
+
+
+def _number(text: str) -> float:
+    """Of a field of a status; 0 for what is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return 0.0
 
 
 def _to_go(who: str, values: dict[str, str]) -> str:

@@ -12,8 +12,9 @@ from sojourn_contract.values import Message
 from sojourn_operator.actions.kind import LastHeard, Pursuit
 from sojourn_operator.actions.server import GoalServer
 from sojourn_operator.actions.watch import ABORTED, BREACH, CANCELED, REPLACED, UNSENT, Ending, GoalWatch
+from sojourn_operator.clock_watch import QUIET_S
 from sojourn_operator.goal_messages import report_of
-from sojourn_operator.goal_sending import QUIET_S, GoalClient
+from sojourn_operator.goal_sending import GoalClient
 
 BESIDE = "the run has a link to Earth, round which no action goes: send goals with scripts/goal"
 
@@ -43,7 +44,10 @@ class Carrier:
     def _look(self) -> None:
         for goal in self._server.taken():
             self.drop(f"another goal of {self._server.name} has taken its place", REPLACED)
-            self._begin(goal)
+            try:
+                self._begin(goal)
+            except CommandError as error:  # of this one alone: those behind it have been taken, too
+                self.drop(str(error))
         if self._watch is None or self._pursuit is None:
             return
         if self._goal.is_cancel_requested and self._watch.stop is None:

@@ -9,13 +9,12 @@ from sojourn_contract.values import Message, PoseStamped
 from sojourn_operator.actions.conversion import duration, ros_message, value_of
 from sojourn_operator.actions.kind import LastHeard, action_type
 from sojourn_operator.actions.watch import ABORTED, Ending
+from sojourn_operator.goal_sending import STANDING_M_S
 
 ODOM = topic("/odom")
 GOAL = topic("/goal_pose")
 UNKNOWN = 9000
 """`error_code` of what went wrong for a reason that the action has no number for: that of Nav2."""
-STANDING_M_S = 0.01
-"""Below it no time of arrival can be told."""
 
 
 class NavigateToPose:
@@ -49,6 +48,7 @@ class DrivePursuit:
         if here is not None:
             pose = PoseStamped(here.stamp, here.frame, here.position, here.orientation)
             said.current_pose = ros_message(GOAL, pose)
+        # Of a rover that stands no time of arrival can be told.
         way, speed = (float(heard.status.get(name, 0.0)) for name in ("distance_to_go", "speed_m_s"))
         duration(said.navigation_time, heard.now - heard.begun)
         duration(said.estimated_time_remaining, round(way / speed * NANOSECONDS) if speed > STANDING_M_S else 0)

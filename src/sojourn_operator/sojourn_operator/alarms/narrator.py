@@ -1,7 +1,10 @@
 """Makes the one log of what nodes, goals and the contract say: events from their messages, each change once."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
 
 from sojourn_contract.heartbeat import STALLED, Heartbeat, read_heartbeats, status_values
 from sojourn_contract.stamps import NANOSECONDS
@@ -37,31 +40,38 @@ STREAM_S = 2.0
 NODE, GOAL, CONTRACT = "node", "goal", "contract"
 
 
+class Velocity(NamedTuple):
+    """The last of a stream of velocities: when [ns], and whether it moves anything."""
+
+    stamp: int
+    moves: bool
+
+
 @dataclass(frozen=True)
 class NarratorState:
     """What has been told.
 
     Args:
         said: last words by (topic or role, key). beats: last heartbeat of each role. silent: roles that are.
-        commanded: when each stream of velocities was last heard [ns].
+        commanded: the last velocity of each stream of them.
     """
 
     said: Mapping[tuple[str, str], str] = field(default_factory=dict)
     beats: Mapping[str, Heartbeat] = field(default_factory=dict)
     silent: frozenset[str] = frozenset()
-    commanded: Mapping[str, int] = field(default_factory=dict)
+    commanded: Mapping[str, Velocity] = field(default_factory=dict)
 
 
 class Narrator:
     """Of a run with these topics."""
 
     def __init__(self, table: TopicTable) -> None:
-        self._goals = {row.name for row in table if row.publisher == "operator" and row.is_event and row.subscribers}
+        self.goals = {row.name for row in table if row.publisher == "operator" and row.is_event and row.subscribers}
 
     @property
     def topics(self) -> tuple[str, ...]:
         """That it listens to."""
-        return (HEARTBEATS, *STATUSES, *sorted(self._goals))
+        return (HEARTBEATS, *STATUSES, *sorted(self.goals))
 
     def initial_state(self) -> NarratorState:
         """Before the first message."""
@@ -75,15 +85,13 @@ class Narrator:
             said, events = dict(state.said), list(_changes(state, topic, message))
             said |= {(topic, key): status_values(message).get(key, "") for key, _ in STATUSES[topic]}
             return NarratorState(said, state.beats, state.silent, state.commanded), events
-        if topic in self._goals:
-            before = state.commanded.get(topic)
-            commanded = {**state.commanded, topic: message.stamp}
-            streams = topic.endswith("cmd_vel") and before is not None
-            if streams and message.stamp - before < STREAM_S * NANOSECONDS:
-                events = []
-            else:
-                events = [Event(message.stamp, "operator", GOAL, Severity.NONE, f"{topic}: {goal_words(message)}")]
-            return NarratorState(state.said, state.beats, state.silent, commanded), events
+        if topic in self.goals:
+            event = Event(message.stamp, "operator", GOAL, Severity.NONE, f"{topic}: {goal_words(message)}")
+            if not isinstance(message, TwistStamped):  # a velocity after it is a new command
+                return replace(state, commanded={}), [event]
+            before, now = state.commanded.get(topic), _velocity(message)
+            state = replace(state, commanded={**state.commanded, topic: now})
+            return state, [] if before is not None and _goes_on(before, now) else [event]
         return state, []
 
     def _hear_beats(self, state: NarratorState, message: DiagnosticArray) -> tuple[NarratorState, list[Event]]:
@@ -123,6 +131,17 @@ def goal_words(message: Message) -> str:
     if isinstance(message, PoseStamped | PoseWithCovarianceStamped):
         return ", ".join(f"{value:.2f}" for value in message.position) + f" in {message.frame or 'map'}"
     return "sent"
+
+
+def _velocity(message: TwistStamped) -> Velocity:
+    return Velocity(message.stamp, bool(np.any(message.linear) or np.any(message.angular)))
+
+
+def _goes_on(before: Velocity, now: Velocity) -> bool:
+    """Whether a velocity belongs to the command of the one before it. A stop after a motion never does, nor does what
+    comes after a jump of time.
+    """
+    return now.moves == before.moves and abs(now.stamp - before.stamp) < STREAM_S * NANOSECONDS
 
 
 def _changes(state: NarratorState, topic: str, message: DiagnosticArray) -> Iterator[Event]:

@@ -8,20 +8,21 @@ message = watch.message(state, stamp)                             for /alarms
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sojourn_config.extends import read_document
 from sojourn_config.load import validate
 from sojourn_config.machine_reader import ALARMS
 from sojourn_config.scenario import LoadedScenario
+from sojourn_contract.heartbeat import ENDED, STALLED, read_heartbeats
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import seconds
-from sojourn_contract.topic_table import TopicTable
+from sojourn_contract.topic_table import CLOCK, TopicTable
 from sojourn_contract.values import DiagnosticArray, DiagnosticStatus, Message
 from sojourn_operator.alarms.engine import Alarm, AlarmEngine, AlarmState, shown_value
 from sojourn_operator.alarms.events import Event
-from sojourn_operator.alarms.narrator import Narrator, NarratorState
+from sojourn_operator.alarms.narrator import HEARTBEATS, Narrator, NarratorState
 from sojourn_operator.alarms.params import AlarmParams, AlarmSet, Severity
 from sojourn_operator.alarms.usual import usual_limits
 
@@ -32,11 +33,16 @@ LEVELS = {Severity.WATCH: 1, Severity.WARNING: 1, Severity.CRITICAL: 2}
 
 @dataclass(frozen=True)
 class WatchState:
-    """Of the alarms, and what has been told. now: stamp of the latest message [ns]."""
+    """Of the alarms, and what has been told.
+
+    Args:
+        now: stamp of the latest message [ns]. has_ended: whether whoever keeps the time has said that the run has.
+    """
 
     alarms: AlarmState
     told: NarratorState
     now: int = 0
+    has_ended: bool = False
 
 
 class Watch:
@@ -51,7 +57,8 @@ class Watch:
 
     def __init__(self, limits: Mapping[str, AlarmParams], table: TopicTable) -> None:
         self.engine, self.narrator = AlarmEngine(limits, table), Narrator(table)
-        self.table = table
+        self.table, self.keeper = table, table.topic(CLOCK).publisher
+        """`keeper` is the role that keeps the time."""
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -64,14 +71,22 @@ class Watch:
 
     def step(self, state: WatchState, topic: str, message: Message) -> tuple[WatchState, list[Event]]:
         """Hear a message; the next state, and what has happened."""
+        if topic in self.narrator.goals and not message.stamp:
+            message = message._replace(stamp=state.now)  # zero means now, to whoever it is for
+        has_ended = state.has_ended
+        if topic == HEARTBEATS:
+            beats = read_heartbeats(message)
+            if has_ended and any(beat.state == STALLED for beat in beats):
+                return state, []  # for a moment, at every end in real time: they wait for who has ended
+            has_ended = next((beat.state == ENDED for beat in beats if beat.role == self.keeper), has_ended)
         told, said = self.narrator.step(state.told, topic, message)
         alarms, raised = self.engine.step(state.alarms, topic, message)
-        return WatchState(alarms, told, max(state.now, message.stamp)), [*said, *raised]
+        return WatchState(alarms, told, max(state.now, message.stamp), has_ended), [*said, *raised]
 
     def acknowledge(self, state: WatchState, who: str, keys: Iterable[str] = ()) -> tuple[WatchState, list[Event]]:
         """Somebody has seen these alarms, all where none is named. Raises KeyError for one that is not shown."""
         alarms, events = self.engine.acknowledge(state.alarms, state.now, who, keys)
-        return WatchState(alarms, state.told, state.now), events
+        return replace(state, alarms=alarms), events
 
     def message(self, state: WatchState) -> DiagnosticArray:
         """What /alarms says: a status for each alarm that is shown, the worst first."""

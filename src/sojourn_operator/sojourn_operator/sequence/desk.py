@@ -2,6 +2,7 @@
 
 import select
 import sys
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Self
@@ -12,12 +13,14 @@ from sojourn_contract.codecs import encode
 from sojourn_contract.named_fields import FieldValue
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.values import Message, Odometry, Path, PoseStamped
+from sojourn_operator.clock_watch import ClockWatch
 from sojourn_operator.foresight_words import foresight_lines
 from sojourn_operator.goal_messages import QUESTION, report_of
 from sojourn_operator.goal_sending import GoalClient
 from sojourn_operator.script import GoalToSend
 from sojourn_operator.sequence.runner import (
     ABORTED,
+    SEQUENCE,
     STOPS,
     WAITING,
     Answer,
@@ -30,7 +33,8 @@ from sojourn_operator.steps.step import View
 HELP = "h: hold, r: resume, s: skip, a: abort, l: list, q: leave (what is under way goes on)"
 TRUTH = "/truth/odom"
 LOOK_S = 0.05
-"""Wall time between two looks."""
+"""Wall time between two looks, at most."""
+NOBODY_TYPES = "it waits for an operator's word, and the input has ended: nobody can type one"
 
 
 class SequenceDesk(GoalClient):
@@ -71,12 +75,18 @@ class SequenceDesk(GoalClient):
         self.prepare()
         say(f"{len(self.runner.config.steps)} steps; {HELP}")
         told, position, somebody_types = 0, "", True
+        clock = ClockWatch(self.now)
         while not (self.state.is_over or self._leaves):
-            self.spin(LOOK_S)
+            before = self.now
+            self._await_look()
             if self.stop.is_set:
                 self._take(self.runner.abort(self.state, self.who, self.now, "Ctrl-C"))
             somebody_types = somebody_types and self._listen_to_person()
+            if why := clock.look(self.now):
+                self._give_up(why, is_another_stack=self.now < before)
             self._take(self.runner.look(self.state, self.now, self._heard()))
+            if not somebody_types and self.runner.waits_for_person(self.state):
+                self._give_up(NOBODY_TYPES)
             for entry in self.state.history[told:]:
                 say(entry.line())
             told = len(self.state.history)
@@ -108,6 +118,23 @@ class SequenceDesk(GoalClient):
                 say(f"   {line}")
         return 0 if allowed else 1
 
+    def _await_look(self) -> None:
+        """Take what comes until the next look is due. Where a velocity has to be said again in time, that is as soon as
+        the time goes on: a stack may be much faster than the wall clock.
+        """
+        if not self.runner.streams(self.state):
+            self.spin(LOOK_S)
+            return
+        now, end = self.now, time.monotonic() + LOOK_S
+        while self.now == now and (left := end - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+
+    def _give_up(self, why: str, is_another_stack: bool = False) -> None:
+        """End it. What moves is stopped, but not in a stack that was started anew, where it is somebody else's."""
+        self.state, stops = self.runner.abort(self.state, SEQUENCE, self.now, why)
+        if not is_another_stack:
+            self._send_now(stops)
+
     def _heard(self) -> SequenceInput:
         reports = {who: report_of(status) for who, status in self.statuses.items()}
         return SequenceInput(reports, self._values, self._truth)
@@ -128,6 +155,8 @@ class SequenceDesk(GoalClient):
 
     def _listen_to_person(self) -> bool:
         """Obey what has been typed, if anything. False once nobody can type any more."""
+        if sys.stdin is None:  # started with its input closed
+            return False
         if not select.select([sys.stdin], [], [], 0.0)[0]:
             return True
         line = sys.stdin.readline()

@@ -18,10 +18,11 @@ from sojourn_operator.goal_messages import stop_messages
 from sojourn_operator.script import TIMED_OUT, GoalToSend
 from sojourn_operator.sequence.condition import Condition, conditions
 from sojourn_operator.sequence.file import SequenceConfig
+from sojourn_operator.sequence.stream import DROPPED_S, stream_s, why_broken
 from sojourn_operator.steps.step import DONE, GOOD_OUTCOMES, GoalReport, OperatorStep, RunFacts, View
 
 WAITING, RUNNING, ENDED, ABORTED = "waiting", "running", "ended", "aborted"
-SKIPPED = "skipped"
+SKIPPED, FAILED = "skipped", "failed"
 HOLD, RESUME = WORDS = ("hold", "resume")
 """Of an operator, as they stand in the history."""
 SEQUENCE = "sequence"
@@ -60,6 +61,7 @@ class SequenceState:
         index: of the step under way, or of the next. phase: see above. held: by whom, "" by nobody.
         since: when the step began, or the one before it ended [ns]; None before the first look.
         released: the step whose `hold` an operator has answered. history: all entries.
+        looked: when the step under way was looked at last [ns].
     """
 
     index: int = 0
@@ -68,6 +70,7 @@ class SequenceState:
     since: int | None = None
     released: int = -1
     history: tuple[Entry, ...] = ()
+    looked: int = 0
 
     @property
     def is_over(self) -> bool:
@@ -92,13 +95,16 @@ class SequenceRunner:
 
     Args:
         config: it. table: the topics of the run. around: what its steps may look at.
+        dropped: age at which drive and arm drop a velocity [s].
 
     Raises:
         UnknownFieldNameError: a comparison of a field that the run does not have.
     """
 
-    def __init__(self, config: SequenceConfig, table: TopicTable, around: RunFacts) -> None:
-        self.config, self.around = config, around
+    def __init__(
+        self, config: SequenceConfig, table: TopicTable, around: RunFacts, dropped: Mapping[str, float] = DROPPED_S
+    ) -> None:
+        self.config, self.around, self._dropped = config, around, dropped
         self.conditions: list[tuple[Condition, ...]] = [
             () if step.when is None else conditions(step.when, table) for step in config.steps
         ]
@@ -132,14 +138,17 @@ class SequenceRunner:
         if state.since is None:
             state = replace(state, since=now)
         if state.phase == RUNNING:  # a second look at the time at which a step began would send its goal again
-            return self._look_at_running(state, now, heard) if now > _since(state) else (state, [])
+            if now <= _since(state):
+                return state, []
+            looked, goals = self._look_at_running(state, now, heard)
+            return replace(looked, looked=now), goals
         why = self.waits_for(state, now, heard)
         limit = self.config.steps[state.index].within_s
         if why and limit is not None and now - _since(state) >= round(limit * NANOSECONDS) and not state.held:
-            return self._over(state, now, TIMED_OUT, f"could not begin within {limit:g} s: {why}")
+            return self._over(state, now, (TIMED_OUT, f"could not begin within {limit:g} s: {why}"))
         if why:
             return state, []
-        state = replace(state, phase=RUNNING, since=now)
+        state = replace(state, phase=RUNNING, since=now, looked=now)
         return state, self._said(state, self._view(state, now, heard))
 
     def waits_for(self, state: SequenceState, now: int, heard: SequenceInput) -> str:
@@ -147,12 +156,20 @@ class SequenceRunner:
         step = self.config.steps[state.index]
         if state.held:
             return f"held by {state.held}"
-        if step.hold and state.released != state.index:
+        if self._asks(state):
             return "an operator's word"
         left = step.after_s - (now - _since(state)) / NANOSECONDS
         if left > 0.0:
             return f"{left:.1f} s more"
         return " and ".join(str(one) for one in self.conditions[state.index] if not one.holds(heard.values))
+
+    def waits_for_person(self, state: SequenceState) -> bool:
+        """Whether nothing but an operator's word can let it go on."""
+        return state.phase == WAITING and (bool(state.held) or self._asks(state))
+
+    def streams(self, state: SequenceState) -> bool:
+        """Whether a step is under way that has to be looked at as often as can be: it keeps saying a velocity."""
+        return state.phase == RUNNING and stream_s(self._action(state)) > 0.0
 
     def hold(self, state: SequenceState, who: str, now: int) -> SequenceState:
         """No further step begins."""
@@ -192,20 +209,23 @@ class SequenceRunner:
         return tuple(dict.fromkeys(step.action.role for step in self.config.steps if step.action.role))
 
     def _look_at_running(self, state: SequenceState, now: int, heard: SequenceInput) -> Answer:
-        view, step = self._view(state, now, heard), self.config.steps[state.index]
-        outcome = self._action(state).end(view)
+        view, step, action = self._view(state, now, heard), self.config.steps[state.index], self._action(state)
+        outcome = action.end(view)
+        is_under_way = outcome is None
+        broken = why_broken(action, view, state.looked, self._dropped) if stream_s(action) > 0.0 else ""
+        if broken and (outcome is None or outcome[0] in GOOD_OUTCOMES):
+            outcome = FAILED, broken
         if outcome is None and step.timeout_s is not None and view.is_over(step.timeout_s):
             outcome = TIMED_OUT, f"not done within {step.timeout_s:g} s"
         if outcome is None:
             return state, self._said(state, view)
-        return self._over(state, now, *outcome)
+        return self._over(state, now, outcome, is_under_way)
 
-    def _over(self, state: SequenceState, now: int, outcome: str, reason: str) -> Answer:
-        """A step has come to its end."""
+    def _over(self, state: SequenceState, now: int, ending: tuple[str, str], is_under_way: bool = False) -> Answer:
+        """A step has come to its end, with outcome and reason; its role may still be at it."""
         action, after = self._action(state), self.config.steps[state.index].on_failure
-        is_under_way = state.phase == RUNNING and outcome == TIMED_OUT
-        state = self._noted(state, now, SEQUENCE, action.describe(), outcome, reason)
-        if outcome in GOOD_OUTCOMES:
+        state = self._noted(state, now, SEQUENCE, action.describe(), *ending)
+        if ending[0] in GOOD_OUTCOMES:
             return self._next(state, now), []
         stop = self._stop((action.role,)) if is_under_way else []
         if after == "abort":
@@ -217,6 +237,10 @@ class SequenceRunner:
         index = state.index + 1
         phase = WAITING if index < len(self.config.steps) else ENDED
         return replace(state, index=index, phase=phase, since=now)
+
+    def _asks(self, state: SequenceState) -> bool:
+        """Whether the next step has a `hold` that no operator has answered."""
+        return self.config.steps[state.index].hold and state.released != state.index
 
     def _action(self, state: SequenceState) -> OperatorStep:
         action: OperatorStep = self.config.steps[state.index].action

@@ -10,6 +10,7 @@ from sojourn_contract.run_table import table_of
 from sojourn_operator.scenario_steps import named_scenario
 from sojourn_operator.sequence.file import read_sequence, scenario_text, sequence_text
 from sojourn_operator.sequence.runner import SequenceRunner, SequenceState
+from sojourn_operator.sequence.stream import dropped_s
 from sojourn_operator.sequence_command import SCENARIO
 from sojourn_operator.steps.step import RunFacts
 
@@ -31,7 +32,7 @@ def run(given: argparse.Namespace) -> int:
         print(f"{given.file}: {len(config.steps)} steps, nothing wrong")
         return 0
     terrain = scenario.height_field() if any(step.action.looks_at_ground for step in config.steps) else None
-    runner = SequenceRunner(config, table, RunFacts(scenario.arm_joints, terrain))
+    runner = SequenceRunner(config, table, RunFacts(scenario.arm_joints, terrain), dropped_s(scenario))
     from sojourn_operator.sequence.desk import SequenceDesk  # not above: a check needs no ROS
 
     who = given.who or getpass.getuser()

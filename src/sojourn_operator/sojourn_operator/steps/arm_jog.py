@@ -34,6 +34,11 @@ class ArmJogStep(Params, OperatorStep):
         speed, turning = math.hypot(*self.linear), math.hypot(*self.angular)
         return f"jog the arm at {speed:g} m/s, {turning:g} rad/s for {self.seconds:g} s"
 
+    @property
+    def stream_s(self) -> float:
+        """For how long it has to be said again and again [s]; a zero that is late does no harm."""
+        return self.seconds
+
     def say(self, view: View) -> Message:
         """See OperatorStep."""
         linear, angular = (REST, REST) if view.is_over(self.seconds) else (self.linear, self.angular)

@@ -29,6 +29,11 @@ class DriveVelocityStep(Params, OperatorStep):
         """See OperatorStep."""
         return f"drive at {self.forward:g}, {self.left:g} m/s, {self.turn:g} rad/s for {self.seconds:g} s"
 
+    @property
+    def stream_s(self) -> float:
+        """For how long it has to be said again and again [s]."""
+        return self.seconds
+
     def say(self, view: View) -> Message | None:
         """See OperatorStep."""
         if view.is_over(self.seconds):
