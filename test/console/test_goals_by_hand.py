@@ -12,9 +12,9 @@ from sojourn_console.desk import CommandDesk
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.gate import GuardedServer
+from sojourn_console.goal_words import foresight_rows
 from sojourn_console.model import BasePose, RunScene
 from sojourn_console.page import Page
-from sojourn_console.panels.goals import foresight_rows
 from sojourn_console.panels.head import HeadPanel, head_html
 from sojourn_console.panels.panel import table_html
 from sojourn_console.world import World
@@ -25,6 +25,11 @@ from sojourn_machine.params import FloatArray
 from sojourn_operator.goal_messages import QUESTION
 
 MOVING = RunScene(statuses={"/drive/status": {"state": "moving"}, "/arm/status": {"state": "moving"}})
+
+
+def drive_tells(state: str, stamp: int) -> RunScene:
+    """A scene in which the drive is in a state with the goal of a stamp [ns]."""
+    return RunScene(statuses={"/drive/status": {"state": state, "goal_stamp": str(stamp)}})
 
 
 def test_drafts_are_the_messages_of_their_topics() -> None:
@@ -95,23 +100,93 @@ def test_a_route_goes_on_after_a_pause_without_what_was_passed(feed: DeafFeed) -
     stamp = desk.send(Draft("route", ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0), (3.0, 0.0, 0.0))))
     assert stamp == feed.now and feed.said[-1][1].stamp == stamp
     at = BasePose(np.array([1.1, 0.1, 0.5]), np.array([0.0, 0.0, 0.0, 1.0]))
-    driving = replace(MOVING, pose=at, statuses={"/drive/status": {"state": "moving"}})
+    driving = replace(drive_tells("moving", stamp), pose=at)
     desk.look(driving)
     assert desk.pause(driving) == "drive paused"
     assert feed.said[-1][0] == "/cmd_vel" and not feed.said[-1][1].linear.any()
     feed.now += 1
-    assert desk.resume() == "drive goes on"
+    assert desk.resume(drive_tells("stopped", stamp)) == "drive goes on"
     name, way = feed.said[-1]
     assert name == "/waypoints" and [pose.position[0] for pose in way.poses] == [2.0, 3.0]
     assert way.stamp == feed.now
-    assert desk.resume() == "nothing is paused"
+    assert desk.resume(drive_tells("moving", feed.now)) == "nothing is paused"
+
+
+def test_a_goal_that_is_over_neither_pauses_nor_goes_on_for_another(feed: DeafFeed) -> None:
+    """Pause said "drive paused" of a sequence's goal, and Resume sent the rover to the old one."""
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    desk.look(drive_tells("moving", stamp))
+    desk.look(drive_tells("reached", stamp))
+    assert "paused" not in desk.pause(drive_tells("reached", stamp))
+    other = drive_tells("moving", 0)
+    with pytest.raises(GoalError, match=r"not the last that was sent from here: allowed is STOP or Cancel"):
+        desk.pause(other)
+    assert desk.resume(other) == "nothing is paused" and len(feed.said) == 1
+
+
+def test_what_another_goal_has_taken_over_does_not_go_on(feed: DeafFeed) -> None:
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    desk.pause(drive_tells("moving", stamp))
+    desk.look(drive_tells("moving", stamp + 1))
+    said = len(feed.said)
+    for scene in (drive_tells("reached", stamp + 1), drive_tells("refused", stamp + 2)):
+        with pytest.raises(GoalError, match="commanded otherwise since it was paused: allowed is to send a goal"):
+            desk.resume(scene)
+    assert len(feed.said) == said
+
+
+def test_a_drive_that_was_not_sent_from_here_is_not_told_to_rest(feed: DeafFeed) -> None:
+    """Pause told in green that nothing was under way while a sequence drove on; the arm pauses all the same."""
+    desk = CommandDesk(feed)
+    with pytest.raises(GoalError, match=r"^drive: the goal under way is not .* allowed is STOP or Cancel$"):
+        desk.pause(drive_tells("moving", 7))
+    with pytest.raises(GoalError, match=r"^arm paused; drive: the goal under way"):
+        desk.pause(MOVING)
+    assert [name for name, _ in feed.said] == ["/arm/task"]
+
+
+def test_a_goal_of_which_the_drive_has_not_told_yet_is_not_paused(feed: DeafFeed) -> None:
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    for before in (RunScene(), drive_tells("reached", 3), drive_tells("moving", 3)):
+        with pytest.raises(GoalError, match="it has not told yet of the goal that was sent last: allowed is STOP"):
+            desk.pause(before)
+    assert desk.pause(drive_tells("moving", stamp)) == "drive paused"
+
+
+def test_a_goal_on_its_way_over_the_link_is_none_that_was_sent_without_a_stamp(feed: DeafFeed) -> None:
+    """As long as the Earth does not know it the machine has no stamp for it; a sequence's goals have none either."""
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    feed.machine_stamp = lambda name, stamp: "0"
+    with pytest.raises(GoalError, match="it has not told yet"):
+        desk.pause(drive_tells("moving", 0))
+    feed.machine_stamp = lambda name, stamp: "77"
+    with pytest.raises(GoalError, match="it has not told yet"):
+        desk.pause(drive_tells("moving", stamp))
+    assert desk.pause(drive_tells("moving", 77)) == "drive paused"
+
+
+def test_a_goal_that_goes_on_beside_a_refused_one_is_paused_and_cancelled(feed: DeafFeed) -> None:
+    """While the drive tells of another's goal that it has refused it still drives to the one before."""
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    desk.look(drive_tells("moving", stamp))
+    refused = drive_tells("refused", stamp + 5)
+    desk.look(refused)
+    assert desk.pause(refused) == "drive paused"
+    assert desk.resume(refused) == "drive goes on"
+    desk.look(drive_tells("moving", feed.now))
+    assert desk.cancel(refused) == "goal of drive cancelled"
 
 
 def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
     desk = CommandDesk(feed)
     arm = RunScene(statuses={"/arm/status": {"state": "moving"}})
     assert desk.pause(arm) == "arm paused"
-    assert desk.resume() == "arm goes on"
+    assert desk.resume(arm) == "arm goes on"
     assert [message.status[0].name for _, message in feed.said] == ["pause", "resume"]
 
 
@@ -132,12 +207,12 @@ def test_what_was_paused_in_a_run_does_not_go_on_in_the_next(world: World, feed:
     page = Page(GuardedServer("again", 8910), world, feed)
     try:
         desk = page.bench.desk
-        desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
-        desk.pause(MOVING)
+        stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+        assert desk.pause(drive_tells("moving", stamp)) == "drive paused"
         feed.has_jumped = lambda: True
         page.look()
         said = len(feed.said)
-        assert desk.resume() == "nothing is paused" and len(feed.said) == said
+        assert desk.resume(page.bench.scene) == "nothing is paused" and len(feed.said) == said
     finally:
         page.close()
 

@@ -1,15 +1,27 @@
 """The whole page over the reference bag, without a browser: what it hears is drawn."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
+import numpy as np
 import pytest
+from told_feed import ToldFeed
 
-from sojourn_bags.reading import Bag
+from sojourn_bags.messages import Messages
+from sojourn_bags.reading import Bag, read_bag
+from sojourn_console import model
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.gate import GuardedServer
+from sojourn_console.model import RunScene
 from sojourn_console.page import FRAMES, Page
+from sojourn_console.views.ground_view import GroundView, deepest_of_each
 from sojourn_console.views.way_view import ABOVE, on_ground
-from sojourn_console.world import World
+from sojourn_console.world import World, world_of_bag
+from sojourn_contract.codecs import encode
+from sojourn_contract.ground import GROUND
+from sojourn_contract.values import FLOAT32, Message, PointCloud2, PointField
+
+SEEING = Path(__file__).parents[1] / "replay" / "themes" / "sight"
 
 
 @pytest.fixture
@@ -65,3 +77,72 @@ def test_the_machine_stands_on_its_ground(page: Page, world: World) -> None:
     assert pose is not None
     ground = on_ground(world, pose.position[None])[0, 2] - ABOVE
     assert pose.position[2] - ground == pytest.approx(0.47, abs=0.02)
+
+
+def test_a_jump_does_not_copy_all_that_has_passed_with_every_message(
+    page: Page, reference: Bag, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a run of 15 minutes a jump took 17 s, and so did a step back."""
+    take, held = model._TAKES["/truth/contacts"], list[int]()
+
+    def counting(scene: RunScene, name: str, message: Message) -> RunScene:
+        held.append(len(scene.passed))
+        return take(scene, name, message)
+
+    monkeypatch.setitem(model._TAKES, "/truth/contacts", counting)  # type: ignore[arg-type]
+    feed = page.bench.feed
+    assert isinstance(feed, BagFeed)
+    feed.jump(feed.end)
+    page.look()
+    count = len(reference["/truth/contacts"])
+    assert len(held) == len(page.bench.scene.passed) == count
+    assert sum(held) < 64 * count
+
+
+def lowered(second: int) -> PointCloud2:
+    """A patch of 0.2 m that has been pressed down by 5 cm, another with each second."""
+    x, y = np.meshgrid(0.5 * second + 0.02 * np.arange(10), 0.02 * np.arange(10))
+    nodes = np.stack([x, y, np.full_like(x, 0.05)], axis=2).reshape(-1, 3).astype(np.float32)
+    fields = tuple(PointField(name, 4 * place, FLOAT32) for place, name in enumerate(("x", "y", "lowered")))
+    data = nodes.tobytes()
+    return PointCloud2(second * 1_000_000_000, "map", len(nodes), fields, 12, data, row_step=len(data))
+
+
+def ruts_of(page: Page) -> int:
+    """Pixels of the ground that lie lower."""
+    view = next(view for view in page._views if isinstance(view, GroundView))
+    return sum(int((tile > 0.04).sum()) for tile in view.tiles._lowered.values())
+
+
+def test_ruts_that_the_ground_tells_are_all_there_after_a_jump_and_live() -> None:
+    """Each message has what is new since the one before: after a jump those of the newest alone were drawn."""
+    world = world_of_bag(read_bag(SEEING))
+    clouds = [lowered(second) for second in range(1, 9)]
+    times = [cloud.stamp for cloud in clouds]
+    messages = Messages(GROUND.name, "sensor_msgs/msg/PointCloud2", times, [encode(GROUND, cloud) for cloud in clouds])
+    bag = Bag(SEEING, topics={GROUND.name: messages})
+    live = ToldFeed(world.table)
+    for feed in (BagFeed(bag, world.table), live):
+        page = Page(GuardedServer("ruts", 9110), world, feed)
+        try:
+            if isinstance(feed, BagFeed):
+                feed.jump(feed.begin)
+                page.look()
+                one = ruts_of(page)
+                assert one > 0
+                feed.jump(feed.end)
+            else:
+                for cloud in clouds:  # a run in lock-step says many seconds from one look to the next
+                    live.tell(GROUND.name, cloud)
+            page.look()
+            assert ruts_of(page) > 6 * one
+            page.look()
+            assert not page.bench.scene.lowered  # they have been shown
+        finally:
+            page.close()
+
+
+def test_of_places_close_together_the_deepest_stands_for_all() -> None:
+    nodes = np.array([[0.001, 0.001, 0.01], [0.015, 0.002, 0.03], [0.021, 0.001, 0.02], [-0.001, 0.0, 0.005]])
+    assert deepest_of_each(nodes).tolist() == [nodes[3].tolist(), nodes[1].tolist(), nodes[2].tolist()]
+    assert deepest_of_each(np.zeros((0, 3))).shape == (0, 3)

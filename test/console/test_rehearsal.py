@@ -13,8 +13,8 @@ import pytest
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
+from sojourn_console.goal_words import rehearsal_rows
 from sojourn_console.model import BasePose
-from sojourn_console.panels.goals import rehearsal_rows
 from sojourn_console.reckoning import reckon
 from sojourn_console.rehearsal import STANDS_S, Now, after, believed, rehearse
 from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, middle

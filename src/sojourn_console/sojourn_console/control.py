@@ -21,10 +21,14 @@ class Control:
         """Taken, from whoever has it."""
         return replace(self, holder=page)
 
-    def claimed_by(self, page: int) -> "Control":
-        """By a page that wants to command. Raises GoalError where another has it."""
+    def check(self, page: int) -> None:
+        """Raise GoalError where another page has it."""
         if self.holder not in (None, page):
             raise GoalError("control", f"page {self.holder} has it: press “Take control” to command from here")
+
+    def claimed_by(self, page: int) -> "Control":
+        """By a page that wants to command. Raises GoalError where another has it."""
+        self.check(page)
         return replace(self, holder=page)
 
     def without(self, page: int) -> "Control":

@@ -5,7 +5,7 @@ that have been passed. The arm knows one.
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,9 +20,11 @@ from sojourn_operator.goal_messages import QUESTION, stop_messages
 
 PASSED = 0.6
 """A point of a route counts as passed within so much of it [m]."""
-MOVING = "moving"
+MOVING, REFUSED = "moving", "refused"
 ROLES = ("drive", "arm")
 """That are stopped, in the order of `stop_messages`."""
+STAMP_OF_NONE = "0"
+"""Stamp of no goal, and of any that was sent without one."""
 
 
 @dataclass(frozen=True)
@@ -31,13 +33,19 @@ class Sent:
 
     Args:
         draft: the goal. stamp: of it [ns]. passed: points of its way that have been passed. is_paused: stopped, to go
-            on.
+            on. told: state of it that its role has told last, empty before the first.
     """
 
     draft: Draft
     stamp: int
     passed: int = 0
     is_paused: bool = False
+    told: str = ""
+
+    @property
+    def status_topic(self) -> str:
+        """On which its role tells of it."""
+        return "/drive/status" if self.draft.is_way else "/arm/status"
 
     def rest(self) -> Draft:
         """The goal without what has been passed; its last point stays."""
@@ -55,6 +63,8 @@ class CommandDesk:
         self._mouth = mouth
         self.driven: Sent | None = None
         self._arm_is_paused = False
+        self._told: dict[str, Mapping[str, str]] = {}
+        """Last status of each role but those that refuse: what was under way before a refusal goes on."""
 
     def send(self, draft: Draft) -> int:
         """Send a goal. Returns its stamp [ns], by which its role reports on it. Raises GoalError."""
@@ -91,49 +101,92 @@ class CommandDesk:
             sent: roles to which a goal is on its way.
         """
         self.driven, self._arm_is_paused = None, False
+        self._hear(scene)
         ended = []
         for role, (name, message) in zip(ROLES, stop_messages(0), strict=True):
-            if role in sent or scene.status(f"/{role}/status").get("state") == MOVING:
+            if role in sent or self._moves(role):
                 self._mouth.send(name, message)
                 ended.append(role)
         return f"goal of {' and '.join(ended)} cancelled" if ended else "there is no goal under way"
 
     def pause(self, scene: RunScene) -> str:
-        """Come to rest, to go on. Returns what was paused, in words. Raises GoalError."""
+        """Come to rest, to go on. Returns what was paused, in words. Raises GoalError where the drive may move on."""
+        self._hear(scene)
         paused = []
-        if scene.status("/drive/status").get("state") == MOVING and self.driven is not None:
+        problem = self._unpaused()
+        if self._moves("drive") and self.driven is not None and not problem:
             self._mouth.send("/cmd_vel", TwistStamped(0, "base_link", np.zeros(3), np.zeros(3)))
             self.driven = replace(self.driven, is_paused=True)
             paused.append("drive")
-        if scene.status("/arm/status").get("state") == MOVING:
+        if self._moves("arm"):
             self._mouth.send("/arm/task", status_message(self._mouth.now, "pause", {}))
             self._arm_is_paused = True
             paused.append("arm")
-        if paused:
-            return f"{' and '.join(paused)} paused"
-        return "there is nothing under way that was sent from here"
+        return _words(paused, "paused", problem) or "there is nothing under way"
 
-    def resume(self) -> str:
-        """Go on. Returns with what, in words. Raises GoalError."""
-        going = []
+    def resume(self, scene: RunScene) -> str:
+        """Go on. Returns with what, in words. Raises GoalError where the drive was commanded otherwise since."""
+        self._hear(scene)
+        going, problem = [], ""
         if self.driven is not None and self.driven.is_paused:
-            self.send(self.driven.rest())
-            going.append("drive")
+            if self.is_told_of(self.driven, self._told["drive"]):
+                self.send(self.driven.rest())
+                going.append("drive")
+            else:
+                problem = "it was commanded otherwise since it was paused: allowed is to send a goal"
         if self._arm_is_paused:
             self._arm_is_paused = False
             self._mouth.send("/arm/task", status_message(self._mouth.now, "resume", {}))
             going.append("arm")
-        return f"{' and '.join(going)} goes on" if going else "nothing is paused"
+        return _words(going, "goes on", problem) or "nothing is paused"
+
+    def is_told_of(self, sent: Sent, status: Mapping[str, str]) -> bool:
+        """Whether a status of its role tells of a goal that was sent from here."""
+        stamp = self._mouth.machine_stamp(sent.draft.topic, sent.stamp)
+        return stamp != STAMP_OF_NONE and status.get("goal_stamp") == stamp
 
     def forget(self) -> None:
         """Another run has begun: what was sent belongs to the one before."""
         self.driven, self._arm_is_paused = None, False
+        self._told.clear()
 
     def look(self, scene: RunScene) -> None:
-        """See which points of the way have been passed."""
+        """See what is told, and which points of the way have been passed."""
+        self._hear(scene)
         sent = self.driven
         if sent is None or scene.pose is None or sent.passed >= len(sent.draft.points):
             return
         x, y = sent.draft.points[sent.passed][:2]
         if math.hypot(scene.pose.position[0] - x, scene.pose.position[1] - y) < PASSED:
             self.driven = replace(sent, passed=sent.passed + 1)
+
+    def _hear(self, scene: RunScene) -> None:
+        """What drive and arm tell, and what of that is about the way that was sent last."""
+        for role in ROLES:
+            status = scene.status(f"/{role}/status")
+            if role not in self._told or status.get("state") != REFUSED:
+                self._told[role] = status
+        drive, sent = scene.status("/drive/status"), self.driven
+        if sent is not None and self.is_told_of(sent, drive):
+            self.driven = replace(sent, told=drive.get("state", ""))
+
+    def _moves(self, role: str) -> bool:
+        return self._told[role].get("state") == MOVING
+
+    def _unpaused(self) -> str:
+        """Why a pause does not keep the drive from moving, in words; empty where it does."""
+        sent = self.driven
+        if sent is not None and not sent.told:
+            return "it has not told yet of the goal that was sent last: allowed is STOP or Cancel"
+        is_from_here = sent is not None and self.is_told_of(sent, self._told["drive"])
+        if self._moves("drive") and not is_from_here:
+            return "the goal under way is not the last that was sent from here: allowed is STOP or Cancel"
+        return ""
+
+
+def _words(roles: Sequence[str], what: str, problem: str) -> str:
+    """What roles do now, in words, empty without any. Raises GoalError with it and the problem of the drive."""
+    done = f"{' and '.join(roles)} {what}" if roles else ""
+    if problem:
+        raise GoalError(f"{done}; drive" if done else "drive", problem)
+    return done

@@ -28,6 +28,10 @@ class Mouth(Protocol):
         """Say something on a topic of the operator. Raises GoalError."""
         ...
 
+    def machine_stamp(self, name: str, stamp: int) -> str:
+        """Stamp by which the machine tells of a goal that was sent on a topic with a stamp [ns]; "0": none yet."""
+        ...
+
 
 class Feed(Protocol):
     """A source of messages. What is shown needs the newest of each topic; what is plotted needs all of some."""

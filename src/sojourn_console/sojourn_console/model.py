@@ -4,9 +4,9 @@ A scene knows nothing of where messages come from, nor of how it is drawn. Place
 the drive's estimate is known.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from sojourn_contract.codecs import decode
 from sojourn_contract.decoding import refusing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.ground import NAMES as GROUND_NAMES
-from sojourn_contract.heartbeat import read_heartbeats, status_values
+from sojourn_contract.heartbeat import RUNNING, read_heartbeats, status_values
 from sojourn_contract.values import Image, Message, OccupancyGrid
 from sojourn_machine.params import FloatArray
 
@@ -27,6 +27,29 @@ TRACK_STEP = 0.05
 CONTACT_NAMES = ("x", "y", "z", "sinkage", "slip_ratio", "force_x", "force_y", "force_z")
 STATUSES = ("/drive/status", "/arm/status", "/power/status")
 NOTHING = np.zeros((0, 3))
+MISSED = 5
+"""Heartbeats of others without one of a role that says it runs, from which on it is silent. There is one a second of
+simulation, at whatever speed, and where the clock leaps one a leap: counted, neither looks like silence.
+"""
+HANDFUL = 64
+"""Of what has passed so much is taken out of a scene at a time: a tuple is copied whole whenever it grows."""
+CHARGE_TOLERANCE = 1e-7
+"""By which a charge may lie beyond 0 to 1, as the contract has it."""
+
+
+class PixelKind(NamedTuple):
+    """Bytes of a number, and how many numbers a pixel has."""
+
+    bytes: int
+    numbers: int
+
+
+PIXELS: Mapping[str, PixelKind] = {
+    **dict.fromkeys(("mono8", "8UC1"), PixelKind(1, 1)),
+    **dict.fromkeys(("mono16", "16UC1"), PixelKind(2, 1)),
+    **dict.fromkeys(("rgb8", "bgr8"), PixelKind(1, 3)),
+}
+"""Encodings of images that can be drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +80,13 @@ class RunScene:
         track: places that the estimate has passed, (n, 3). plan: what is left of the way to the goal, (n, 3).
         cloud: newest points of the hazard camera in base_link, (n, 3), and from which pose.
         contacts: with the ground; passed: all that have come since the scene was shown last.
-        lowered: newest nodes of /truth/ground, columns x, y, and by how much [m].
+        lowered: nodes of /truth/ground that have changed since the scene was shown last, a message each: columns x, y,
+            and by how much lower [m].
         costmap: what the drive takes for closed round it, None where it has not told.
-        images: newest by topic. statuses: newest keys and values by topic. charge: by the power manager, 0 to 1.
-        states: of the nodes by role, as their heartbeats tell.
+        images: newest by topic. statuses: newest keys and values by topic. charge: by the power manager, 0 to 1;
+            None where it is not known, battery_heard or not.
+        states: of the nodes by role, as their heartbeats tell; beats: stamps of the newest of them [ns]; missed: of how
+            many stamps others have beaten since.
         refused: messages that could not be read, by topic.
     """
 
@@ -76,17 +102,43 @@ class RunScene:
     cloud_pose: BasePose | None = None
     contacts: Contacts | None = None
     passed: tuple[Contacts, ...] = ()
-    lowered: FloatArray = field(default_factory=lambda: NOTHING)
+    lowered: tuple[FloatArray, ...] = ()
     costmap: OccupancyGrid | None = None
     images: Mapping[str, Image] = field(default_factory=dict)
     statuses: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     charge: float | None = None
+    battery_heard: bool = False
     states: Mapping[str, str] = field(default_factory=dict)
+    beats: Mapping[str, int] = field(default_factory=dict)
+    missed: Mapping[str, int] = field(default_factory=dict)
     refused: Mapping[str, int] = field(default_factory=dict)
 
     def status(self, topic: str) -> Mapping[str, str]:
         """Keys and values of a status, none before the first."""
         return self.statuses.get(topic, {})
+
+    @property
+    def silent(self) -> dict[str, float]:
+        """Roles that said they run and of which nothing is heard any more, and for how long [s of simulation]."""
+        newest = max(self.beats.values(), default=0)
+        return {
+            role: (newest - self.beats[role]) * 1e-9
+            for role, missed in self.missed.items()
+            if missed >= MISSED and self.states[role] == RUNNING
+        }
+
+
+def after_all(scene: RunScene, heard: Iterable[FeedMessage]) -> RunScene:
+    """The scene after messages in their order, since a scene was shown: `passed` and `lowered` have come with them."""
+    passed, lowered = list[Contacts](), list[FloatArray]()
+    scene = replace(scene, passed=(), lowered=())
+    for one in heard:
+        scene = after(scene, one)
+        if len(scene.passed) + len(scene.lowered) >= HANDFUL:
+            passed += scene.passed
+            lowered += scene.lowered
+            scene = replace(scene, passed=(), lowered=())
+    return replace(scene, passed=(*passed, *scene.passed), lowered=(*lowered, *scene.lowered))
 
 
 def after(scene: RunScene, heard: FeedMessage) -> RunScene:
@@ -142,7 +194,8 @@ def _ground(scene: RunScene, name: str, message: Message) -> RunScene:
     if not message.width * message.height:
         return scene
     columns = columns_of(name, message, GROUND_NAMES)
-    return replace(scene, lowered=np.stack([columns[one] for one in GROUND_NAMES], axis=1).astype(np.float64))
+    nodes = np.stack([columns[one] for one in GROUND_NAMES], axis=1).astype(np.float64)
+    return replace(scene, lowered=(*scene.lowered, nodes))
 
 
 def _costmap(scene: RunScene, _: str, message: Message) -> RunScene:
@@ -150,6 +203,13 @@ def _costmap(scene: RunScene, _: str, message: Message) -> RunScene:
 
 
 def _image(scene: RunScene, name: str, message: Message) -> RunScene:
+    kind = PIXELS.get(message.encoding)
+    if kind is None:
+        raise RefusedMessageError(name, "encoding", message.encoding, " or ".join(PIXELS))
+    row, size = message.width * kind.bytes * kind.numbers, len(message.data)
+    if message.step < row or size < message.step * message.height:
+        found = f"{size} bytes in {message.height} rows of {message.step}"
+        raise RefusedMessageError(name, "data", found, f"rows of at least {row} bytes, all of them")
     return replace(scene, images={**scene.images, name: message})
 
 
@@ -157,13 +217,22 @@ def _status(scene: RunScene, name: str, message: Message) -> RunScene:
     return replace(scene, statuses={**scene.statuses, name: status_values(message)})
 
 
-def _battery(scene: RunScene, _: str, message: Message) -> RunScene:
-    return replace(scene, charge=message.percentage)
+def _battery(scene: RunScene, name: str, message: Message) -> RunScene:
+    charge = message.percentage
+    if np.isnan(charge):  # the word of the contract for what is not known
+        return replace(scene, charge=None, battery_heard=True)
+    if not -CHARGE_TOLERANCE <= charge <= 1.0 + CHARGE_TOLERANCE:
+        raise RefusedMessageError(name, "percentage", charge, "0 to 1, or NaN where it is not known")
+    return replace(scene, charge=min(max(charge, 0.0), 1.0), battery_heard=True)
 
 
 def _heartbeats(scene: RunScene, _: str, message: Message) -> RunScene:
-    told = {beat.role: beat.state for beat in read_heartbeats(message)}
-    return replace(scene, states={**scene.states, **told})
+    states, beats, missed = dict(scene.states), dict(scene.beats), dict(scene.missed)
+    for beat in read_heartbeats(message):
+        if beat.stamp > max(beats.values(), default=0):
+            missed = {role: count + 1 for role, count in missed.items()}
+        states[beat.role], beats[beat.role], missed[beat.role] = beat.state, beat.stamp, 0
+    return replace(scene, states=states, beats=beats, missed=missed)
 
 
 Take = Callable[[RunScene, str, Any], RunScene]

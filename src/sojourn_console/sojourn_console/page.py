@@ -4,18 +4,19 @@ A further panel is one more row of `PANELS`: a class with a title that is made f
 """
 
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import cast
 
 import viser
 
 from sojourn_console.alarm_board import AlarmBoard
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.desk import CommandDesk
+from sojourn_console.failures import OutlivedView
 from sojourn_console.feed import Feed
 from sojourn_console.gate import GuardedServer
-from sojourn_console.model import STATUSES, RunScene, after
+from sojourn_console.model import STATUSES, RunScene, after_all
 from sojourn_console.panels.alarms import AlarmsPanel
 from sojourn_console.panels.goals import GoalsPanel
 from sojourn_console.panels.head import HeadPanel
@@ -29,6 +30,7 @@ from sojourn_console.sequence_board import SequenceBoard
 from sojourn_console.uplink import Uplink
 from sojourn_console.views.all_views import VIEWS
 from sojourn_console.views.ground_view import GroundView
+from sojourn_console.views.view import SceneView
 from sojourn_console.world import World
 from sojourn_operator.alarms.watch import Watch, limits_of
 
@@ -45,7 +47,9 @@ ALWAYS = ("/odom", "/joint_states", "/battery_state", "/diagnostics", *STATUSES)
 """Topics that are heard whatever is shown."""
 PANELS: tuple[type[Panel], ...] = (GoalsPanel, SequencePanel, AlarmsPanel, TelemetryPanel, LinkPanel)
 """Tabs besides that of the scene, in their order."""
-IN_FULL_OF_A_BAG = ("/odom", "/truth/contacts")
+IN_FULL = ("/diagnostics", "/truth/ground")
+"""Of them every message counts: all nodes beat at one time, and the ground tells what is new since the one before."""
+IN_FULL_OF_A_BAG = (*IN_FULL, "/odom", "/truth/contacts")
 """Of what leaves traces every message counts where time may jump."""
 
 
@@ -71,6 +75,7 @@ class Page:
         self.bench = Workbench(server, world, feed, desk, alarms, sequences, uplink, scene=self._first)
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="medium")
         self._views = tuple(view(server, world) for view in VIEWS)
+        outlived = (cast(SceneView, OutlivedView(view, self.bench.failures)) for view in self._views)
         self._head: list[Panel] = [HeadPanel(self.bench)]
         if isinstance(feed, BagFeed):
             self._head.append(TimeLinePanel(self.bench, feed))
@@ -81,8 +86,8 @@ class Page:
                 with tabs.add_tab(panel.title):
                     self._tabs.append(panel(self.bench))
         with tabs.add_tab(ScenePanel.title):
-            self._scene_panel = ScenePanel(self.bench, self._views)
-        self._fold_all = frozenset(IN_FULL_OF_A_BAG if isinstance(feed, BagFeed) else ())
+            self._scene_panel = ScenePanel(self.bench, tuple(outlived))
+        self._fold_all = frozenset(IN_FULL_OF_A_BAG if isinstance(feed, BagFeed) else IN_FULL)
         self._images = tuple(camera.topic for camera in world.cameras if camera.topic)
         self._count = 0
         server.on_client_disconnect(self._gone)
@@ -101,48 +106,66 @@ class Page:
             time.sleep(max(due - time.monotonic(), REST_S))
 
     def look(self) -> None:
-        """Take what has come, and show it."""
-        bench = self.bench
+        """Take what has come, and show it: what of the page cannot do so is left out."""
+        bench, failures = self.bench, self.bench.failures
         with bench.lock:
             panels = [*self._head, *self._tabs]
-            in_full = self._fold_all.union(*(panel.topics_in_full() for panel in panels))
-            looked_at = {*ALWAYS, *self._scene_panel.topics(), *self._images}
-            looked_at.update(*(panel.topics() for panel in panels))
-            bench.feed.want(looked_at & {row.name for row in bench.world.table}, in_full)
+            self._want(panels)
             if bench.feed.has_jumped():
                 self._clear()
             heard = bench.feed.poll()
-            scene = replace(bench.scene, passed=())
             newest = {one.row.name: place for place, one in enumerate(heard)}
-            for place, one in enumerate(heard):
-                if newest[one.row.name] == place or one.row.name in self._fold_all:
-                    scene = after(scene, one)
-            bench.scene = scene
+            folded = self._fold_all
+            kept = (one for place, one in enumerate(heard) if newest[one.row.name] == place or one.row.name in folded)
+            bench.scene = scene = after_all(bench.scene, kept)
             for panel in panels:
-                panel.hear(heard)
+                with failures.of(_part(panel)):
+                    panel.hear(heard)
+            bench.another_run.look(time.monotonic())
             self._count += 1
             with bench.server.atomic():
-                self._scene_panel.show(scene)
-                for panel in panels if self._count % SLOW == 0 else ():
-                    panel.show(scene)
-            bench.desk.look(scene)
+                for panel in [self._scene_panel, *(panels if self._count % SLOW == 0 else ())]:
+                    with failures.of(_part(panel)):
+                        panel.show(scene)
+            with failures.of("the way that was sent"):
+                bench.desk.look(scene)
 
     def close(self) -> None:
         """End it, and the feed."""
         for panel in self._tabs:
-            panel.close()
+            with self.bench.failures.of(_part(panel)):
+                panel.close()
         self.bench.feed.close()
         self.bench.server.stop()
+
+    def _want(self, panels: Sequence[Panel]) -> None:
+        """Have the feed hear what is looked at, as far as the run has it."""
+        in_full, looked_at = set(self._fold_all), {*ALWAYS, *self._scene_panel.topics(), *self._images}
+        for panel in panels:
+            with self.bench.failures.of(_part(panel)):
+                in_full |= panel.topics_in_full()
+                looked_at |= panel.topics()
+        known = {row.name for row in self.bench.world.table}
+        self.bench.feed.want(looked_at & known, in_full & known)
 
     def _clear(self) -> None:
         self.bench.scene = self._first
         self.bench.desk.forget()
+        if not isinstance(self.bench.feed, BagFeed):
+            self.bench.another_run.begins()
         for view in self._views:
             if isinstance(view, GroundView):
-                view.clear()
+                with self.bench.failures.of("the ground"):
+                    view.clear()
         for panel in (*self._head, *self._tabs):
-            panel.clear()
+            with self.bench.failures.of(_part(panel)):
+                panel.clear()
 
     def _gone(self, client: viser.ClientHandle) -> None:
         with self.bench.lock:
             self.bench.control = self.bench.control.without(client.client_id)
+
+
+def _part(panel: Panel) -> str:
+    """What a panel is called where it fails."""
+    return f"the tab {panel.title}" if panel.title else type(panel).__name__

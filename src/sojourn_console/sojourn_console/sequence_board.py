@@ -20,6 +20,7 @@ from sojourn_operator.goal_messages import report_of
 from sojourn_operator.script import GoalToSend
 from sojourn_operator.sequence.file import SequenceConfig, checked_sequence, scenario_text
 from sojourn_operator.sequence.runner import WAITING, Answer, Entry, SequenceInput, SequenceRunner, SequenceState
+from sojourn_operator.sequence.stream import dropped_s
 from sojourn_operator.steps.step import GoalReport, RunFacts
 
 REPORTS = {"/drive/status": "drive", "/arm/status": "arm", "/power/status": "power"}
@@ -84,7 +85,10 @@ class SequenceBoard:
         config = self.check(text, name)
         around = RunFacts(self._world.scenario.arm_joints, self._world.ground)
         self._past = self.history[-KEPT:]
-        self._runner, self.state = SequenceRunner(config, self._world.table, around), SequenceState()
+        self._runner, self.state = (
+            SequenceRunner(config, self._world.table, around, dropped_s(self._world.scenario)),
+            SequenceState(),
+        )
         self._reports, self._values = {}, {}
         return f"{len(config.steps)} steps begin"
 

@@ -46,12 +46,32 @@ class CameraMount:
 
 
 @dataclass(frozen=True, eq=False)
+class RunFiles:
+    """What is attached to the bag of a run, and where that was read.
+
+    Args:
+        folder: of the run, as it was named. file: the first of its bag, as it is without links; number: of its inode.
+        attachments: by name, as far as they were there.
+    """
+
+    folder: Path
+    file: Path
+    number: int
+    attachments: dict[str, bytes]
+
+    def is_file_of(self, other: "RunFiles") -> bool:
+        """Whether both have been read from the same file."""
+        return (self.file, self.number) == (other.file, other.number)
+
+
+@dataclass(frozen=True, eq=False)
 class World:
     """Of one run.
 
     Args:
         scenario: as the run loaded it. ground: at the start of the run. table: its topics. sun: where it stands.
         cameras: of the machine. attachments: files that describe the run, as its bag carries them.
+        run: from which this was read while it may have been under way, None for a bag that is played or a scenario.
     """
 
     scenario: LoadedScenario
@@ -62,6 +82,7 @@ class World:
     attachments: dict[str, bytes]
     source: str = ""
     """Name or file from which the scenario can be read again; empty where it is gone."""
+    run: RunFiles | None = None
 
     @classmethod
     def of_scenario(cls, scenario: LoadedScenario, source: str = "") -> "World":
@@ -103,17 +124,27 @@ def world_of_bag(bag: Bag) -> World:
 
 def world_of_run(run: Path) -> World:
     """The world of a run that may still be under way, from the beginning of its bag. Raises NoWorldError."""
+    found = recorded_run(run)
     try:
-        file = bag_file(run)
-        found = Bag(file)
+        return replace(world_of_bag(Bag(found.file, attachments=dict(found.attachments))), run=found)
+    except (BagsError, ConfigError, OSError, json.JSONDecodeError) as error:
+        raise NoWorldError(str(error)) from error
+
+
+def recorded_run(folder: Path) -> RunFiles:
+    """What stands before the first message of the bag of a run, which may be under way. Raises NoWorldError."""
+    try:
+        file = bag_file(folder).resolve()
+        number = file.stat().st_ino
+        attachments = dict[str, bytes]()
         for record in Salvage(file).records:
             if isinstance(record, Message):
                 break
             if isinstance(record, Attachment):
-                found.attachments[record.name] = record.data
-        return world_of_bag(found)
-    except (BagsError, ConfigError, OSError, json.JSONDecodeError) as error:
+                attachments[record.name] = record.data
+    except (BagsError, OSError) as error:
         raise NoWorldError(str(error)) from error
+    return RunFiles(folder, file, number, attachments)
 
 
 def _cameras(scenario: LoadedScenario, table: TopicTable) -> list[CameraMount]:

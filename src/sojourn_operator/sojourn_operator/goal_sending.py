@@ -29,6 +29,7 @@ from sojourn_operator.goal_messages import (
     stamped,
     stop_messages,
 )
+from sojourn_operator.goal_progress import number, to_go
 from sojourn_operator.link.commands import ANSWERS, CANCELLED, OVER, RECEIVED
 from sojourn_operator.link.view import CommandLines, LinkView
 from sojourn_operator.listeners import Listeners
@@ -241,7 +242,7 @@ class GoalClient(Desk):
         if status is None or report_of(status).state == "moving":
             return False
         values = status_values(status)
-        return abs(_number(values.get("speed_m_s", ""))) < STANDING_M_S and values.get("mode") != BY_VELOCITY
+        return abs(number(values.get("speed_m_s", ""))) < STANDING_M_S and values.get("mode") != BY_VELOCITY
 
     def follow(self, command: str, timeout_s: float) -> tuple[str, str]:
         """Show the progress of the goal just sent until it ends. Returns outcome and reason."""
@@ -264,7 +265,7 @@ class GoalClient(Desk):
             last = self.statuses.get(who)
             if last is not None and watch.is_known and time.monotonic() > said_at + SHOW_S:
                 said_at = time.monotonic()
-                left = "coming to rest" if self._pauses else _to_go(who, status_values(last))
+                left = "coming to rest" if self._pauses else to_go(who, status_values(last))
                 command_line.say(f"{seconds(self.now):9.2f} s  {report_of(last).state}, {left}")
         return self._not_finished("goal", timeout_s)
 
@@ -378,26 +379,3 @@ class GoalClient(Desk):
 
     def _on_clock(self, message: Clock) -> None:
         self.now = message.stamp
-
-
-def _number(text: str) -> float:
-    """Of a field of a status; 0 for what is none."""
-    try:
-        return float(text)
-    except ValueError:
-        return 0.0
-
-
-def _to_go(who: str, values: dict[str, str]) -> str:
-    if who == "drive":
-        errors = (float(values.get(name, "nan")) for name in ("lateral_error_m", "lateral_rms_m"))
-        beside, rms = (round(error, 3) + 0.0 for error in errors)  # + 0.0: no minus before a zero
-        aside = f"{beside:+.3f} m beside the path ({rms:.3f} m RMS)"
-        energy = ""
-        if "energy_forecast_wh" in values:
-            energy = f", {float(values['energy_used_wh']):.2f} Wh used, {float(values['energy_to_go_wh']):.2f} to go"
-        doing = values.get("reason") or values.get("phase", "")
-        return f"{values.get('distance_to_go', '?')} m to go, {aside}{energy} ({doing})"
-    if "progress" not in values:  # of a task that has not begun yet
-        return f"{values.get('task', who)} has not begun"
-    return f"{100.0 * float(values['progress']):.0f} % done, {values.get('time_to_go', '?')} s to go"

@@ -2,23 +2,25 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 import viser
 
+from sojourn_console.desk import REFUSED, Sent
 from sojourn_console.draft import Draft, Kind, Point
 from sojourn_console.errors import GoalError
 from sojourn_console.far_way import FarWay
+from sojourn_console.goal_words import ARM, DRIVE, LOOK, ROUTE, TASK, foresight_rows, hint_html, rehearsal_rows
 from sojourn_console.link_words import command_words
 from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
+from sojourn_console.panels.shared_fields import SharedFields
 from sojourn_console.picking import met_by
 from sojourn_console.rehearsal import Now, believed
-from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, alike
 from sojourn_console.rehearser import Rehearser
 from sojourn_console.views.view import GREEN, Shown, segments
 from sojourn_console.views.way_view import on_ground
@@ -26,17 +28,16 @@ from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_operator.far_goal import closed_places
-from sojourn_operator.foresight_words import foresight_lines
+from sojourn_operator.steps.step import FINAL_STATES
 from sojourn_physics.terrain.ground_samples import heights_of
 
-LOOK, DRIVE, ROUTE, ARM, TASK = "look round", "drive to a place", "drive a route", "place the arm's tip", "arm task"
 KINDS: Mapping[str, Kind] = {DRIVE: "drive", ROUTE: "route", ARM: "arm", TASK: "task"}
 TIP = "arm_tip_link"
-APART = 0.02
-"""Figures of a drive that differ by less are one."""
 HERE = "…"
 """No waypoint is chosen."""
 HANDLE = "/draft/handle_"
+IDLE = "idle"
+"""State of a drive that a velocity command has come to, too."""
 
 
 class GoalsPanel(QuietPanel):
@@ -66,12 +67,13 @@ class GoalsPanel(QuietPanel):
         self._line, self._ball = Shown(), Shown()
         self._handles: list[Any] = []
         self._asked: int | None = None
-        self._sent: tuple[str, str, int] | None = None
-        """Topic of the status, topic of the goal, and its stamp."""
+        self._sent: Sent | None = None
+        """Of which is told, None where another answer is."""
         self._words = ""
         self._rehearser = Rehearser()
         self._foreseen: list[tuple[str, str]] = []
         self._far: FarWay | None = None
+        self._shared = SharedFields(bench)
         self._connect()
         self._redraw()
 
@@ -80,52 +82,52 @@ class GoalsPanel(QuietPanel):
         if self._asked is not None and drive.get("asked_stamp") == str(self._asked):
             self._asked = None
             self._foreseen = foresight_rows(drive)
-        if self._foreseen and self._sent is None:
-            self._say(table_html([*self._foreseen, *rehearsal_rows(self._rehearser)]))
         if self._sent is not None:
-            topic, goal, stamp = self._sent
-            status, command = scene.status(topic), self._bench.uplink.command(goal, stamp)
-            if command:
-                words = command_words(command, scene.stamp, self._bench.uplink.moment())
-                self._say(table_html([(f"command {command['number']}", words)]))
-            elif status.get("goal_stamp") == str(stamp):
-                told = [("goal", status.get("state", "")), ("", status.get("reason", ""))]
-                self._say(table_html(told + ([("map", self._far.told)] if self._far and self._far.told else [])))
+            self._sent = self._as_told(self._sent, scene)
+            rows = self._sent_rows(self._sent, scene)
+            if rows:
+                self._say(table_html(rows))
+        elif self._foreseen:
+            self._say(table_html([*self._foreseen, *rehearsal_rows(self._rehearser)]))
         self._go_on(scene)
 
     def clear(self) -> None:
-        self._asked = self._sent = None
-        self._foreseen = []
-        self._rehearser.end()
+        self._sent = None
+        self._forget_answer()
         self._say("")
 
     def close(self) -> None:
         self._rehearser.close()
 
     def _connect(self) -> None:
-        bench = self._bench
-        scene = bench.server.scene
-        scene.on_click()(self._clicked)
-        self._mode.on_update(lambda _: self._chosen())
-        self._waypoint.on_update(lambda _: self._named())
-        self._heading.on_update(lambda _: self._turned())
-        self._yaw.on_update(lambda _: self._turned())
-        self._task.on_update(lambda _: self._tasked())
-        self._values.on_update(lambda _: self._tasked())
-        self._undo.on_click(lambda _: self._change(bench.draft.without_last()))
-        self._over.on_click(lambda event: bench.commanding(event.client, self._routed, needs_control=False))
+        bench, shared = self._bench, self._shared
+
+        def undo(event: Any) -> None:
+            shared.let(event.client, self._undone)
+
+        def route(event: Any) -> None:
+            shared.let(event.client, lambda: bench.commanding(event.client, self._routed, needs_control=False))
+
+        bench.server.scene.on_click()(self._clicked)
+        shared.connect(self._mode, self._chosen)
+        shared.connect(self._waypoint, self._named)
+        shared.connect(self._heading, self._turned)
+        shared.connect(self._yaw, self._turned)
+        shared.connect(self._task, self._tasked)
+        shared.connect(self._values, self._tasked)
+        self._undo.on_click(undo)
+        self._over.on_click(route)
         self._rehearse.on_click(lambda event: bench.commanding(event.client, self._ask))
         self._send.on_click(lambda event: bench.commanding(event.client, self._sending))
 
     def _chosen(self) -> None:
         if self._bench.world.source and self._mode.value in (DRIVE, ROUTE):
             self._rehearser.prepare()
-        with self._bench.lock:
-            draft = Draft(KINDS.get(self._mode.value, "drive"))
-            if draft.kind == "arm":
-                tip = self._shape.link(TIP, self._bench.scene.joints)
-                draft = draft.with_point(_point(tip[0])) if tip is not None else draft
-            self._bench.draft = draft
+        draft = Draft(KINDS.get(self._mode.value, "drive"), yaw=self._wanted_yaw())
+        if draft.kind == "arm":
+            tip = self._shape.link(TIP, self._bench.scene.joints)
+            draft = draft.with_point(_point(tip[0])) if tip is not None else draft
+        self._lay(draft)
         self._tasked()
 
     def _named(self) -> None:
@@ -136,29 +138,47 @@ class GoalsPanel(QuietPanel):
             self._put(_point(point))
             self._waypoint.value = HERE
 
+    def _wanted_yaw(self) -> float | None:
+        """Heading at the end of a way as the fields have it [rad], None for any."""
+        is_wanted = self._heading.value and self._mode.value in (DRIVE, ROUTE)
+        return math.radians(self._yaw.value) if is_wanted else None
+
     def _turned(self) -> None:
-        yaw = math.radians(self._yaw.value) if self._heading.value else None
-        with self._bench.lock:
-            draft = self._bench.draft
-            self._bench.draft = Draft(draft.kind, draft.points, yaw, draft.task, draft.values)
-        self._redraw()
+        self._change(replace(self._bench.draft, yaw=self._wanted_yaw()))
 
     def _tasked(self) -> None:
-        with self._bench.lock:
-            draft = self._bench.draft
-            if draft.kind == "task":
-                values = dict(word.partition("=")[::2] for word in self._values.value.split())
-                self._bench.draft = Draft("task", draft.points, None, self._task.value, values)
+        draft = self._bench.draft
+        if draft.kind == "task":
+            values = dict(word.partition("=")[::2] for word in self._values.value.split())
+            self._lay(Draft("task", draft.points, None, self._task.value, values))
         self._redraw()
+
+    def _undone(self) -> None:
+        self._change(self._bench.draft.without_last())
 
     def _change(self, draft: Draft) -> None:
-        with self._bench.lock:
-            self._bench.draft = draft
+        self._lay(draft)
         self._redraw()
 
+    def _lay(self, draft: Draft) -> None:
+        """On the table: what the one before would take is no answer for another."""
+        with self._bench.lock:
+            if draft != self._bench.draft:
+                self._forget_answer()
+            self._bench.draft = draft
+
+    def _forget_answer(self) -> None:
+        """That of the drive, and what is rehearsed."""
+        if self._sent is None and self._foreseen:
+            self._say("")
+        self._asked, self._foreseen = None, []
+        self._rehearser.end()
+
     def _clicked(self, event: Any) -> None:
-        if self._mode.value not in (DRIVE, ROUTE, TASK):
-            return
+        if self._mode.value in (DRIVE, ROUTE, TASK):
+            self._shared.let(event.client, lambda: self._placed(event))
+
+    def _placed(self, event: Any) -> None:
         place = met_by(self._bench.world.ground, np.array(event.ray_origin), np.array(event.ray_direction))
         if place is None:
             event.client.add_notification("No ground there", "the goal has to be on the map", color="red")
@@ -211,13 +231,35 @@ class GoalsPanel(QuietPanel):
         draft = self._bench.checked_draft()
         stamp = self._bench.desk.send(draft)
         self._bench.uplink.name(draft.topic, stamp, draft.words())
-        self._sent = ("/drive/status" if draft.is_way else "/arm/status", draft.topic, stamp)
+        self._sent = Sent(draft, stamp)
         if draft.is_way:
             self._far = FarWay(self._bench.world.site, draft, self._heights) if draft.over_map else None
-        self._asked, self._foreseen = None, []
-        self._rehearser.end()
+        self._forget_answer()
         aside = self._bench.uplink.aside()
-        return f"{self._mode.value}: sent" + (f" {aside}" if aside else "")
+        return f"{self._mode.value}: sent, {draft.words()}" + (f", {aside}" if aside else "")
+
+    def _as_told(self, sent: Sent, scene: RunScene) -> Sent:
+        """A goal that was sent, as it is told now; a way as it was sent last: after a pause it has another stamp."""
+        desk = self._bench.desk
+        if sent.draft.is_way and desk.driven is not None:
+            sent = desk.driven
+        status = scene.status(sent.status_topic)
+        return replace(sent, told=status.get("state", "")) if desk.is_told_of(sent, status) else sent
+
+    def _sent_rows(self, sent: Sent, scene: RunScene) -> list[tuple[str, str]]:
+        """What became of a goal that was sent, as names and values; none where nothing new is told."""
+        uplink, status = self._bench.uplink, scene.status(sent.status_topic)
+        command = uplink.command(sent.draft.topic, sent.stamp)
+        if command:
+            return [(f"command {command['number']}", command_words(command, scene.stamp, uplink.moment()))]
+        if self._bench.desk.is_told_of(sent, status):
+            rows = [("goal", sent.told), ("", status.get("reason", ""))]
+            return rows + ([("map", self._far.told)] if self._far and self._far.told else [])
+        if not sent.told:
+            return [("goal", "sent, nothing is told of it yet")]
+        if sent.told == REFUSED or status.get("state", IDLE) in (IDLE, REFUSED):
+            return []  # neither a velocity nor what is refused takes its place; nor was there one of what is refused
+        return [("goal", sent.told if sent.told in FINAL_STATES else ""), ("", "another goal has taken its place")]
 
     def _go_on(self, scene: RunScene) -> None:
         """Where the drive has found a way over the map closed, send it along another."""
@@ -227,13 +269,13 @@ class GoalsPanel(QuietPanel):
             return
         far.hear(scene.costmap)
         status = scene.status("/drive/status")
-        if status.get("goal_stamp") != self._bench.uplink.machine_stamp(driven.draft.topic, driven.stamp):
+        if not self._bench.desk.is_told_of(driven, status):
             return
         before = far.way
         is_over, way = far.after(status, _point(scene.pose.position))
         if way is not None:
             try:
-                self._sent = ("/drive/status", way.topic, self._bench.desk.send(way))
+                self._sent = Sent(way, self._bench.desk.send(way))
             except GoalError as error:
                 is_over, far.told = True, str(error)
             if self._bench.draft == before:
@@ -262,7 +304,7 @@ class GoalsPanel(QuietPanel):
             (self._task, mode == TASK), (self._values, mode == TASK),
         ):  # fmt: skip
             handle.visible = is_there
-        self._hint.content = _hint(mode, draft)
+        self._hint.content = hint_html(mode, draft)
         self._mark(draft if is_goal else Draft())
 
     def _mark(self, draft: Draft) -> None:
@@ -299,80 +341,22 @@ class GoalsPanel(QuietPanel):
             f"{parent}{HANDLE}{number}/ball", radius=0.04 if is_arm else 0.12, color=GREEN, cast_shadow=False
         )
 
-        def dragged(_: Any) -> None:
+        def move() -> None:
             x, y, z = (float(one) for one in handle.position)
             if not is_arm:
                 z = float(on_ground(self._bench.world, np.array([[x, y, 0.0]]))[0, 2])
+            self._lay(self._bench.draft.moved(number, (x, y, z)))
+            self._hint.content = hint_html(self._mode.value, self._bench.draft)
+
+        def dragged(event: Any) -> None:
             with self._bench.lock:
-                self._bench.draft = self._bench.draft.moved(number, (x, y, z))
-            self._hint.content = _hint(self._mode.value, self._bench.draft)
+                points = self._bench.draft.points
+                is_there = event.phase != "start" and number < len(points)  # a mark that has gone may still tell
+                if is_there and not self._shared.let(event.client, move):
+                    handle.position = points[number]
 
         handle.on_update(dragged)
         return handle
-
-
-def foresight_rows(status: Mapping[str, str]) -> list[tuple[str, str]]:
-    """The drive's answer to a question, as names and values."""
-    first, *rest = foresight_lines(status)
-    rows = [("rehearsal", first)]
-    for line in rest:
-        name, _, value = line.partition(":")
-        rows.append((name, value.strip()))
-    return rows
-
-
-def rehearsal_rows(rehearser: Rehearser) -> list[tuple[str, str]]:
-    """What a rehearsal has found so far, as names and values."""
-    rows = _found_rows(rehearser.found.get(RECKONED), rehearser.looks)
-    rows += _found_rows(rehearser.found.get(SIMULATED))
-    if rehearser.problem:
-        return [*rows, (SIMULATED, rehearser.problem)]
-    if rehearser.is_under_way and SIMULATED not in rehearser.found:
-        rows.append((SIMULATED, "begins …"))
-    return rows
-
-
-def _found_rows(found: RehearsedDrive | None, looks: Sequence[RehearsedDrive] = ()) -> list[tuple[str, str]]:
-    if found is None:
-        return []
-    same = alike(looks) if looks else [found]
-    state = found.state if found.is_over else f"{found.time_s:.0f} s so far"
-    if len(same) < len(looks):
-        state += f" in {len(same)} of {len(looks)}"
-    charge = f", charge {found.charge:.1%}, {found.mode.lower()}" if math.isfinite(found.charge) else ""
-    slip = f", slip {found.slip:.0%}" if found.means == SIMULATED else ""
-    return [
-        (found.means, f"{state}: {found.reason}" if found.reason else state),
-        ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s{_spread('time_s', same, '.0f')}"),
-        ("energy", f"{found.energy_wh:.2f} Wh{_spread('energy_wh', same, '.2f')}{charge}"),
-        ("worst", f"tilt {found.tilt_deg:.1f}°{slip}"),
-    ]
-
-
-def _spread(name: str, looks: Sequence[RehearsedDrive], form: str) -> str:
-    """By how much a figure differs from time to time; nothing where it hardly does."""
-    values = [getattr(one, name) for one in looks]
-    low, high = min(values), max(values)
-    return f" ({low:{form}} to {high:{form}})" if high > (1.0 + APART) * low else ""
-
-
-def _hint(mode: str, draft: Draft) -> str:
-    if mode == LOOK:
-        words = "Choose what a click in the scene means to place a goal."
-    elif not draft.points and mode != TASK:
-        words = "Click on the ground." if mode == DRIVE else "Click on the ground, point by point."
-    elif mode == ARM:
-        words = "Tip in base_link: " + ", ".join(f"{one:.3f}" for one in draft.points[0]) + " m. Drag the handle."
-    elif mode == TASK:
-        words = "A click on the ground fills in its position in base_link."
-    else:
-        x, y, _ = draft.points[-1]
-        words = (
-            f"({x:.2f}, {y:.2f}) m"
-            + (f", {len(draft.points)} points" if draft.kind == "route" else "")
-            + ". Drag to move."
-        )
-    return f'<div style="font-size:.82em;opacity:.75;margin:0 14px">{words}</div>'
 
 
 def _filled(points: Any) -> Any:

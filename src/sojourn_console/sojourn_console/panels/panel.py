@@ -10,9 +10,12 @@ import viser
 
 from sojourn_config.command_errors import CommandError
 from sojourn_console.alarm_board import AlarmBoard
+from sojourn_console.another_run import AnotherRun
 from sojourn_console.control import Control
 from sojourn_console.desk import CommandDesk
 from sojourn_console.draft import Draft
+from sojourn_console.errors import ConsoleError
+from sojourn_console.failures import Failures
 from sojourn_console.feed import Feed, FeedMessage
 from sojourn_console.model import RunScene
 from sojourn_console.sequence_board import SequenceBoard
@@ -33,6 +36,7 @@ class Workbench:
     Attributes:
         lock: held while anything here changes; viser calls from threads of its own.
         scene: newest. control: who may command. draft: the goal that is on the table.
+        failures: of parts of the page. another_run: that has begun, and may not be of this world.
     """
 
     server: viser.ViserServer
@@ -46,16 +50,30 @@ class Workbench:
     scene: RunScene = field(default_factory=RunScene)
     control: Control = field(default_factory=Control)
     draft: Draft = field(default_factory=Draft)
+    failures: Failures = field(default_factory=Failures)
+    another_run: AnotherRun = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.another_run = AnotherRun(self.world)
 
     def checked_draft(self) -> Draft:
         """The goal that is on the table. Raises GoalError where it cannot be sent."""
         self.draft.check(self.world.ground, self.world.scenario.config.keep_out)
         return self.draft
 
-    def commanding(self, client: Any, act: Callable[[], str], needs_control: bool = True) -> None:
-        """Do what an operator asks for, and tell the page that asked how it went."""
+    def commanding(
+        self, client: Any, act: Callable[[], str], needs_control: bool = True, brings_rest: bool = False
+    ) -> None:
+        """Do what an operator asks for, and tell the page that asked how it went.
+
+        Args:
+            client: the page. act: does it. needs_control: it changes the run, which one page at a time may.
+            brings_rest: whatever runs may be told so, also a run of another scenario than the one that is shown.
+        """
         with self.lock:
             try:
+                if needs_control and not brings_rest and self.another_run.refusal:
+                    raise ConsoleError(self.another_run.refusal)
                 if client is not None and needs_control:
                     self.control = self.control.claimed_by(client.client_id)
                 told, title, color = act(), "Done", "green"

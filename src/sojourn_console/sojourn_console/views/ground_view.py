@@ -8,7 +8,7 @@ import numpy as np
 import viser
 
 from sojourn_console.ground_tiles import GroundTiles, TileKey
-from sojourn_console.model import RunScene
+from sojourn_console.model import Contacts, RunScene
 from sojourn_console.world import World
 from sojourn_machine.params import FloatArray
 
@@ -26,6 +26,8 @@ SHADE = "/shade"
 """Name of what the machine's shadow falls on, in the scene: one for all drawings of a tile."""
 DARKNESS = 0.55
 """Of the shadow; what is left is the sky's light."""
+NEAR = 0.02
+"""Of places in the same square of this side the deepest stands for all [m]: half a pixel."""
 NARROWEST = 0.04
 """Half the width of a rut at least [m]."""
 
@@ -45,7 +47,6 @@ class GroundView:
         self._stale: list[tuple[float, Any]] = []
         self._changed: set[TileKey] = set()
         self._redrawn_at = 0.0
-        self._last: Any = None
         self._told = False
         self._sun = np.zeros(3)
         self._light_up(world.sun_direction(0), 0)
@@ -58,14 +59,11 @@ class GroundView:
         if np.abs(sun - self._sun).max() > SUN_MOVED:
             self._light_up(sun, scene.stamp)
             self._changed.update(self.tiles.keys())
-        if len(scene.lowered) and scene.lowered is not self._last:
-            self._last, self._told = scene.lowered, True
-            self._changed |= self.tiles.lower(scene.lowered[:, :2], scene.lowered[:, 2], NARROWEST / 2)
-        for contacts in () if self._told else scene.passed:
-            touching = np.linalg.norm(contacts.forces, axis=1) > TOUCH_N
-            self._changed |= self.tiles.lower(
-                contacts.places[touching, :2], contacts.sinkage[touching], self._half_width
-            )
+        if scene.lowered:
+            self._told = True
+            self._lower(np.concatenate(scene.lowered), NARROWEST / 2)
+        elif scene.passed and not self._told:
+            self._lower(np.concatenate([_touching(contacts) for contacts in scene.passed]), self._half_width)
         now = time.monotonic()
         while self._stale and now - self._stale[0][0] > OUTDATED_S:
             self._stale.pop(0)[1].remove()
@@ -81,7 +79,11 @@ class GroundView:
     def clear(self) -> None:
         """Forget the ruts: time has jumped."""
         self._changed |= self.tiles.clear()
-        self._last = None
+
+    def _lower(self, nodes: FloatArray, radius: float) -> None:
+        """Press down what has come, (n, 3) x, y and depth [m]: after a jump of a bag that is all of a run so far."""
+        deepest = deepest_of_each(nodes)
+        self._changed |= self.tiles.lower(deepest[:, :2], deepest[:, 2], radius)
 
     def _light_up(self, direction: FloatArray, stamp: int) -> None:
         self._sun = direction.copy()
@@ -95,6 +97,20 @@ class GroundView:
         name = f"/ground/tile_{key.row}_{key.column}_{number % NAMES}"
         fresh = self._server.scene.add_glb(name, glb_data=self.tiles.glb(key), cast_shadow=False, receive_shadow=False)
         self._drawn[key] = fresh, number + 1
+
+
+def deepest_of_each(nodes: FloatArray) -> FloatArray:
+    """Of nodes (n, 3), x, y and depth [m], the deepest of each small square; a rut is as deep as its deepest."""
+    squares = np.floor(nodes[:, :2] / NEAR)
+    order = np.lexsort((-nodes[:, 2], squares[:, 1], squares[:, 0]))
+    _, first = np.unique(squares[order], axis=0, return_index=True)
+    return nodes[order[first]]
+
+
+def _touching(contacts: Contacts) -> FloatArray:
+    """x, y and sinkage of what touches the ground, (n, 3) [m]."""
+    touching = np.linalg.norm(contacts.forces, axis=1) > TOUCH_N
+    return np.column_stack([contacts.places[touching, :2], contacts.sinkage[touching]])
 
 
 def _half_width(world: World) -> float:

@@ -7,7 +7,7 @@ import viser
 from numpy.typing import NDArray
 
 from sojourn_console.machine_shape import MachineShape
-from sojourn_console.model import RunScene
+from sojourn_console.model import PIXELS, RunScene
 from sojourn_console.views.view import YELLOW, Shown, wxyz
 from sojourn_console.world import World
 from sojourn_contract.values import Image
@@ -93,7 +93,7 @@ class CameraView:
                 frustum.position = position
                 frustum.wxyz = quaternion(turn @ LINK_TO_OPTICAL)
             frustum.visible = True
-            if image is not None and image is not self._images.get(camera.name) and image.width:
+            if image is not None and image is not self._images.get(camera.name) and image.width and image.height:
                 self._images[camera.name] = image
                 frustum.image = pixels(image)
 
@@ -111,16 +111,20 @@ def height_colors(heights: FloatArray) -> NDArray[np.uint8]:
 
 
 def pixels(image: Image) -> NDArray[np.uint8]:
-    """An image as rows, columns and red, green, blue; one of 16 bits from its least to its most."""
-    kind = np.dtype(np.uint16 if image.encoding == "16UC1" else np.uint8)
-    rows = np.frombuffer(image.data, dtype=np.uint8).reshape(image.height, image.step)
-    grey = np.ascontiguousarray(rows[:, : image.width * kind.itemsize]).view(kind).astype(np.float64)
-    if kind.itemsize > 1:
-        known = grey[grey > 0]
-        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-        grey = np.clip((grey - low) / max(high - low, 1.0), 0.0, 1.0) * 255.0
+    """An image that a scene has as rows, columns and red, green, blue; one of 16 bits from its least to its most."""
+    size, numbers = PIXELS[image.encoding]
+    kind = np.dtype(np.uint8 if size == 1 else ">u2" if image.is_bigendian else "<u2")
+    rows = np.frombuffer(image.data, dtype=np.uint8, count=image.height * image.step).reshape(image.height, image.step)
+    found = np.ascontiguousarray(rows[:, : image.width * numbers * size]).view(kind)
     step = -(-image.width // WIDEST)
-    return np.repeat(grey[::step, ::step, None], 3, axis=2).astype(np.uint8)
+    colors = found.reshape(image.height, image.width, numbers)[::step, ::step].astype(np.float64)
+    if size > 1:
+        known = colors[colors > 0]
+        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+        colors = np.clip((colors - low) / max(high - low, 1.0), 0.0, 1.0) * 255.0
+    if image.encoding == "bgr8":
+        colors = colors[:, :, ::-1]
+    return np.broadcast_to(colors, (*colors.shape[:2], 3)).astype(np.uint8)
 
 
 def quaternion(rotation: FloatArray) -> FloatArray:
