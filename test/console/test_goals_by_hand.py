@@ -112,6 +112,15 @@ def test_a_route_goes_on_after_a_pause_without_what_was_passed(feed: DeafFeed) -
     assert desk.resume(drive_tells("moving", feed.now)) == "nothing is paused"
 
 
+def test_a_pause_that_is_pressed_twice_is_one(feed: DeafFeed) -> None:
+    """A second stop is told as a new command, after which nothing went on."""
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    assert [desk.pause(drive_tells("moving", stamp)) for _ in range(2)] == ["drive paused"] * 2
+    assert [name for name, _ in feed.said] == ["/goal_pose", "/cmd_vel"]
+    assert desk.resume(drive_tells("stopped", stamp)) == "drive goes on"
+
+
 def test_a_goal_that_is_over_neither_pauses_nor_goes_on_for_another(feed: DeafFeed) -> None:
     """Pause said "drive paused" of a sequence's goal, and Resume sent the rover to the old one."""
     desk = CommandDesk(feed)

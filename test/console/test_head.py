@@ -72,6 +72,21 @@ def test_a_role_that_says_nothing_more_is_told(page: Page, feed: ToldFeed) -> No
     assert "silent" not in head_of(page)._words.content
 
 
+def test_nobody_is_silent_beside_a_driver_with_a_clock_of_its_own(page: Page, feed: ToldFeed) -> None:
+    """Whatever tells a state under /diagnostics reads as a heartbeat; nor do roles that beat one after the other."""
+    for second in range(1, 20):
+        for place, role in enumerate(("plant", "drive", "arm", "power", "sensors", "operator", "recorder")):
+            stamp = second * SECOND + 20_000_000 * place
+            feed.tell("/diagnostics", heartbeat_message(role, RUNNING, stamp, Counters()))
+            feed.tell("/diagnostics", heartbeat_message("camera", RUNNING, 1_790_000_000 * SECOND + stamp, Counters()))
+            show(page)
+            assert not page.bench.scene.silent
+    for second in range(20, 30):
+        beat(feed, second, "plant")
+    show(page)
+    assert "drive" in page.bench.scene.silent and "camera" not in page.bench.scene.silent
+
+
 def test_where_the_clock_leaps_nobody_is_silent(page: Page, feed: ToldFeed) -> None:
     """A heartbeat a leap of an hour: between that of one role and the next nothing is missing."""
     for leap in range(1, 9):

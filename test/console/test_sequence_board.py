@@ -53,6 +53,23 @@ def test_each_step_begins_after_the_machines_answer(board: SequenceBoard, world:
     assert len(board.history) == 2  # what was done before stays
 
 
+def test_an_end_that_is_told_between_two_looks_is_not_missed(
+    board: SequenceBoard, world: World, feed: DeafFeed
+) -> None:
+    """Of a fast stack a refusal beside a goal that goes on comes and goes within one look."""
+    board.begin(TWO)
+    board.hear([])
+    row, stamp = world.table.topic("/drive/status"), feed.said[-1][1].stamp
+    heard = []
+    for second, (state, goal) in enumerate((("refused", stamp), ("moving", 3), ("moving", 3)), 1):
+        values = {"state": state, "goal_stamp": str(goal), "reason": "too far"}
+        time = feed.now + second * 1_000_000_000
+        heard.append(FeedMessage(row, encode(row, status_message(time, "drive", values)), time))
+    feed.now += 3_000_000_000
+    board.hear(heard)
+    assert [(entry.outcome, entry.reason) for entry in board.history] == [("refused", "too far")]
+
+
 def test_an_operators_words(board: SequenceBoard, world: World, feed: DeafFeed) -> None:
     with pytest.raises(SequenceError, match="no sequence is under way"):
         board.hold()

@@ -186,8 +186,28 @@ def test_a_goal_that_ends_while_another_is_refused_is_told_of() -> None:
     assert (over.told(at(160)).state, over.told(at(160)).stamp) == ("reached", at(4))
     third = over.begun(Header(at(100))).noted([])
     assert third.told(at(300)) == third and third.under_way == third
+    set_back = refused.told(at(60)).told(at(5))  # a clock that was wrong
+    assert (set_back.state, set_back.stamp) == ("moving", at(4))
     lost = refused.given_up("nothing is measured")
     assert lost.told(at(1)).told(at(900)).state == "failed"
+
+
+def test_a_goal_that_waits_goes_on_behind_one_that_is_refused() -> None:
+    """Both have come before the drive could look at the first; that one was told of as the goal before it, for ever."""
+    first = GoalStatus().begun(Header(at(4))).noted([])
+    waiting = first.begun(Header(at(60)))
+    refused = waiting.refused(Header(at(61)), "no such frame", waits=True)
+    assert refused.under_way == first
+    seen = refused.noted([], waits=True).noted([GoalOutcome("stopped", "", Goal.at(1.0, 0.0, None, first.number), 1.0)])
+    after = seen.told(at(62)).told(at(200))
+    assert (after.state, after.stamp) == ("moving", at(60)) and after.under_way == after
+    both = refused.noted([GoalOutcome("refused", "too far", Goal.at(1.0, 0.0, None, waiting.number), 1.0)])
+    for now in (62, 200, 201):
+        both = both.told(at(now))
+    assert (both.state, both.reason) == ("refused", "too far")
+    assert both.told(at(400)) == first
+    again = refused.refused(Header(at(62)), "no such frame", waits=True)
+    assert again.goes_on == waiting
 
 
 def test_a_stop_is_heard_with_the_arm_out_too(bench: Bench, drive: DriveNode) -> None:

@@ -122,6 +122,14 @@ def test_what_was_given_by_others_takes_its_place() -> None:
         assert ending is not None and (ending.word, ending.cause) == (ABORTED, REPLACED)
 
 
+def test_what_was_refused_to_others_does_not_take_its_place() -> None:
+    watch, ending = GoalWatch("drive", SENT).step(GoalReport("moving", SENT), SENT + 60 * NANOSECONDS, SENT)
+    now = SENT + 69 * NANOSECONDS
+    assert ending is None and watch.step(GoalReport("refused", SENT + 5), now, now) == (watch, None)
+    _, ending = watch.step(GoalReport("refused", SENT + 5), now + 2 * NANOSECONDS, now)
+    assert ending is not None and ending.cause == SILENT
+
+
 def test_an_arm_tells_of_a_stop_as_of_a_goal() -> None:
     """Also where it has never told of the goal, which was taken back before its next word."""
     for is_known in (False, True):

@@ -40,7 +40,7 @@ class Beside(GoalClient):
     def tell(self, role: str, state: str, goal_stamp: int) -> None:
         """A status of a role, at the time that it is."""
         values = {"state": state, "goal_stamp": str(goal_stamp), "reason": ""}
-        self.statuses[role] = status_message(self.now, STATUS_TOPICS[role].removeprefix("/"), values)
+        self._keep(role)(status_message(self.now, STATUS_TOPICS[role].removeprefix("/"), values))
 
 
 class Served:

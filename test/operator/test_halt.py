@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from sojourn_contract.heartbeat import status_message
+from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_operator import clock_watch, goal_sending
@@ -26,7 +27,7 @@ class Busy(GoalClient):
         self.found, self.held = found, held
         self.looks = 0
         self.sent: list[str] = []
-        self.told: dict[str, str] = {}
+        self.fields: dict[str, str] = {}
         """Further fields of the statuses."""
 
     def sender(self, row: Topic) -> Any:
@@ -37,8 +38,8 @@ class Busy(GoalClient):
         for who in STOP_TOPICS:
             state = "stopped" if STOP_TOPICS[who] in self.sent else "moving"
             if self.looks >= self.found.get(who, 10**9):
-                values = {"state": state, "goal_stamp": "0", "reason": "", "distance_to_go": "0", **self.told}
-                self.statuses[who] = status_message(20, STATUS_TOPICS[who], values)
+                values = {"state": state, "goal_stamp": "0", "reason": "", "distance_to_go": "0", **self.fields}
+                self._keep(who)(status_message(20, STATUS_TOPICS[who], values))
 
     def _listeners(self, sender: Any) -> Any:
         found = any(
@@ -85,15 +86,14 @@ def test_who_never_listens_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_drive_that_follows_somebody_s_velocities_does_not_stand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its state is idle, as it has no goal: the stop was told as done, and the rover rolled on."""
     monkeypatch.setattr(goal_sending, "STOPPED_S", 0.2)
-    monkeypatch.setattr(goal_sending, "STOP_AGAIN_S", 0.0)
     busy = Busy({"drive": 0}, ["drive"])
-    busy.told = {"mode": "cmd_vel", "speed_m_s": "0.050"}
+    busy.fields = {"mode": "cmd_vel", "speed_m_s": "0.050"}
     stands, words = busy.halt()
     assert not stands and "somebody else sends them on /cmd_vel" in words
     assert busy.sent.count("/cmd_vel") > 1, "it is told again"
-    busy.told = {"mode": "idle", "speed_m_s": "0.050"}
+    busy.fields = {"mode": "idle", "speed_m_s": "0.050"}
     assert busy.halt() == (False, "stop sent, but drive did not say within 0.2 s that it stands")
-    busy.told = {"mode": "idle", "speed_m_s": "0.000"}
+    busy.fields = {"mode": "idle", "speed_m_s": "0.000"}
     assert busy.halt() == (True, "drive: stopped")
 
 
@@ -122,6 +122,15 @@ def test_a_goal_that_another_was_refused_beside_is_followed_to_its_end() -> None
     assert client.follow("drive", 60.0) == ("reached", "")
 
 
+def test_what_another_s_refused_goal_hides_for_two_seconds_does_not_count_as_silence() -> None:
+    """A goal of more than ten seconds ago ended with the first word of a refusal of another."""
+    s = NANOSECONDS
+    client = Following(
+        [("moving", 7, 20 * s)], [("refused", 19 * s, 21 * s)], [("moving", 7, 23 * s)], [("reached", 7, 24 * s)]
+    )
+    assert client.follow("drive", 60.0) == ("reached", "")
+
+
 def test_a_goal_that_is_nobody_s_any_more_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """It was, for an hour, and without a word."""
     outcome, reason = Following([("moving", 7, 20)], [("moving", 90, 100)]).follow("drive", 60.0)
@@ -145,7 +154,7 @@ def test_of_a_pause_no_progress_is_told(
     class Pausing(Busy):
         def spin(self, wall_s: float) -> None:
             values = {"state": next(states), "goal_stamp": "7", "reason": "", "progress": "1.0", "time_to_go": "0.00"}
-            self.statuses["arm"] = status_message(20, STATUS_TOPICS["arm"], values)
+            self._keep("arm")(status_message(20, STATUS_TOPICS["arm"], values))
 
     client = Pausing({}, ["arm"])
     client.now = 7

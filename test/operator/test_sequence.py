@@ -293,3 +293,6 @@ def test_what_only_a_person_can_let_go_on() -> None:
     run.state = one.resume(run.state, "anna", run.now)
     run.go(5.0)
     assert run.state.phase == "ended" and not one.waits_for_person(run.state)
+    limited = Run(runner({**DRIVE, "hold": True, "within_s": 5.0}, DRIVE))
+    limited.go(0.5)
+    assert not limited.one.waits_for_person(limited.state)  # which fails by itself

@@ -147,12 +147,12 @@ class ArmApp(FlightApp[ArmAppState]):
     def _take_goals(self, state: ArmAppState, period: Period, rover: Rover, refusals: list[Refusal]) -> ArmAppState:
         """Keep the goal that takes effect now; of several the last."""
         for name, message in period.goals:
-            state = replace(state, goal=state.goal.begun(message))
             try:
-                state = replace(state, pending=self._goals.request(name, message, period.stamp, rover))
+                request = self._goals.request(name, message, period.stamp, rover)
+                state = replace(state, goal=state.goal.begun(message), pending=request)
             except (GoalRefusedError, RefusedMessageError) as refusal:
                 told, is_told = str(refusal), isinstance(refusal, RefusedMessageError)
-                state = replace(state, goal=state.goal.refused(told))
+                state = replace(state, goal=state.goal.refused_at_once(message, told, state.pending is not None))
                 refusals.append((name, told if is_told else str(NotCarriedOutError(name, "goal", told))))
         return state
 

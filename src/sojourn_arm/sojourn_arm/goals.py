@@ -59,18 +59,26 @@ class LastGoal:
     def under_way(self) -> "LastGoal | None":
         """What the arm is on its way to, as long as it has not accepted a newer goal."""
         if self.goes_on is not None and self.state in ("moving", "refused"):
-            return self.goes_on
+            return self.goes_on.under_way
         return self if self.state == "moving" else None
 
     def begun(self, message: Message) -> "LastGoal":
         """A new goal has come."""
-        return replace(
-            self, state="moving", reason="", stamp=message.stamp, abandoned=False, goes_on=self.under_way, until=0
-        )
+        return self._next(message, "moving", self.under_way)
+
+    def refused_at_once(self, message: Message, reason: str, waits: bool) -> "LastGoal":
+        """One has come that cannot be, and is not given to the arm. waits: whether the arm has yet to see the goal
+        before it.
+        """
+        goes_on = self if waits and self.state == "moving" else self.goes_on if waits else self.under_way
+        return replace(self._next(message, "refused", goes_on), reason=reason)
 
     def refused(self, reason: str) -> "LastGoal":
-        """It cannot be, and is not given to the arm."""
+        """The arm will not have it."""
         return replace(self, state="refused", reason=reason)
+
+    def _next(self, message: Message, state: str, goes_on: "LastGoal | None") -> "LastGoal":
+        return replace(self, state=state, reason="", stamp=message.stamp, abandoned=False, goes_on=goes_on, until=0)
 
     def given_up(self, reason: str) -> "LastGoal":
         """The goal on its way has failed, as its measurements stay away."""
@@ -90,17 +98,20 @@ class LastGoal:
 
     def _after(self, event: GoalEvent) -> "LastGoal":
         """After what has happened to it, which is told once."""
+        last = replace(
+            self,
+            goals_accepted=self.goals_accepted + (event.outcome == "accepted"),
+            goals_refused=self.goals_refused + (event.outcome == "refused"),
+        )
+        if last.state == "refused" and last.goes_on is not None:  # the arm knows nothing of the one that was refused
+            return replace(last, goes_on=last.goes_on._after(event))
         if event.outcome == "accepted":
-            last = replace(self, goals_accepted=self.goals_accepted + 1, goes_on=None)
-            return last if last.abandoned else replace(last, state="moving")
+            return replace(last, goes_on=None, state=last.state if last.abandoned else "moving")
         if event.outcome == "refused":
-            last = replace(self, goals_refused=self.goals_refused + 1)
             return last if last.abandoned else last.refused(event.reason)
         ended = "reached" if event.outcome == "paused" else event.outcome
-        if self.goes_on is not None and self.goes_on.state == "moving":
-            last = replace(self, goes_on=replace(self.goes_on, state=ended, reason=event.reason))
-        else:
-            last = self
+        if last.goes_on is not None:
+            last = replace(last, goes_on=last.goes_on._after(event))
         return replace(last, state=ended, reason=event.reason) if last.state == "moving" else last
 
     def told(self, now: int) -> "LastGoal":
@@ -109,7 +120,7 @@ class LastGoal:
             return self
         if not self.until:
             return replace(self, until=now + REFUSAL_TOLD_NS)
-        if now < self.until:
+        if self.until - REFUSAL_TOLD_NS <= now < self.until:  # else it is over, or the clock was set
             return self
         counts = {"goals_accepted": self.goals_accepted, "goals_refused": self.goals_refused}
         return replace(self.goes_on, report=self.report, **counts)

@@ -115,7 +115,8 @@ class CommandDesk:
         paused = []
         problem = self._unpaused()
         if self._moves("drive") and self.driven is not None and not problem:
-            self._mouth.send("/cmd_vel", TwistStamped(0, "base_link", np.zeros(3), np.zeros(3)))
+            if not self.driven.is_paused:  # a second stop would be told as a new command
+                self._mouth.send("/cmd_vel", TwistStamped(0, "base_link", np.zeros(3), np.zeros(3)))
             self.driven = replace(self.driven, is_paused=True)
             paused.append("drive")
         if self._moves("arm"):

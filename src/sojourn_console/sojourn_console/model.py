@@ -17,6 +17,8 @@ from sojourn_contract.decoding import refusing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.ground import NAMES as GROUND_NAMES
 from sojourn_contract.heartbeat import RUNNING, read_heartbeats, status_values
+from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.topic_types import ROLES
 from sojourn_contract.values import Image, Message, OccupancyGrid
 from sojourn_machine.params import FloatArray
 
@@ -28,8 +30,8 @@ CONTACT_NAMES = ("x", "y", "z", "sinkage", "slip_ratio", "force_x", "force_y", "
 STATUSES = ("/drive/status", "/arm/status", "/power/status")
 NOTHING = np.zeros((0, 3))
 MISSED = 5
-"""Heartbeats of others without one of a role that says it runs, from which on it is silent. There is one a second of
-simulation, at whatever speed, and where the clock leaps one a leap: counted, neither looks like silence.
+"""Seconds of simulation in which others have beaten and a role that says it runs has not, from which on it is silent.
+Where the clock leaps there is one a leap: counted, that does not look like silence.
 """
 HANDFUL = 64
 """Of what has passed so much is taken out of a scene at a time: a tuple is copied whole whenever it grows."""
@@ -85,8 +87,8 @@ class RunScene:
         costmap: what the drive takes for closed round it, None where it has not told.
         images: newest by topic. statuses: newest keys and values by topic. charge: by the power manager, 0 to 1;
             None where it is not known, battery_heard or not.
-        states: of the nodes by role, as their heartbeats tell; beats: stamps of the newest of them [ns]; missed: of how
-            many stamps others have beaten since.
+        states: of the nodes by role, as their heartbeats tell; beats: stamps of the newest of them [ns]; missed: in how
+            many seconds others have beaten since.
         refused: messages that could not be read, by topic.
     """
 
@@ -229,9 +231,12 @@ def _battery(scene: RunScene, name: str, message: Message) -> RunScene:
 def _heartbeats(scene: RunScene, _: str, message: Message) -> RunScene:
     states, beats, missed = dict(scene.states), dict(scene.beats), dict(scene.missed)
     for beat in read_heartbeats(message):
-        if beat.stamp > max(beats.values(), default=0):
+        states[beat.role] = beat.state
+        if beat.role not in ROLES:  # somebody's driver, by whatever clock
+            continue
+        if beat.stamp // NANOSECONDS > max(beats.values(), default=0) // NANOSECONDS:
             missed = {role: count + 1 for role, count in missed.items()}
-        states[beat.role], beats[beat.role], missed[beat.role] = beat.state, beat.stamp, 0
+        beats[beat.role], missed[beat.role] = beat.stamp, 0
     return replace(scene, states=states, beats=beats, missed=missed)
 
 

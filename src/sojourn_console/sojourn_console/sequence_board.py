@@ -16,12 +16,12 @@ from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.named_fields import FieldValue
 from sojourn_contract.values import Odometry
-from sojourn_operator.goal_messages import report_of
+from sojourn_operator.report_queue import ReportQueue
 from sojourn_operator.script import GoalToSend
 from sojourn_operator.sequence.file import SequenceConfig, checked_sequence, scenario_text
 from sojourn_operator.sequence.runner import WAITING, Answer, Entry, SequenceInput, SequenceRunner, SequenceState
 from sojourn_operator.sequence.stream import dropped_s
-from sojourn_operator.steps.step import GoalReport, RunFacts
+from sojourn_operator.steps.step import RunFacts
 
 REPORTS = {"/drive/status": "drive", "/arm/status": "arm", "/power/status": "power"}
 TRUTH = "/truth/odom"
@@ -44,7 +44,8 @@ class SequenceBoard:
         self._runner: SequenceRunner | None = None
         self._past: tuple[Entry, ...] = ()
         self.state = SequenceState()
-        self._reports: dict[str, GoalReport] = {}
+        self._reports: dict[str, ReportQueue] = {}
+        self._known = SequenceInput({}, {}, None)
         self._values: dict[str, FieldValue] = {}
         self._truth: Odometry | None = None
 
@@ -90,6 +91,7 @@ class SequenceBoard:
             SequenceState(),
         )
         self._reports, self._values = {}, {}
+        self._known = SequenceInput({}, {}, None)
         return f"{len(config.steps)} steps begin"
 
     def hear(self, heard: Sequence[FeedMessage]) -> None:
@@ -100,6 +102,8 @@ class SequenceBoard:
         for one in heard:
             if one.row.name in self.topics:
                 self._keep(runner, one)
+        told = {role: told.report for role, queue in self._reports.items() if (told := queue.look()) is not None}
+        self._known = SequenceInput(told, self._values, self._truth)
         self._take(runner.look(self.state, self._feed.now, self._known))
 
     def describe(self) -> str:
@@ -140,10 +144,6 @@ class SequenceBoard:
         """Another run has begun: what was under way belongs to the one before."""
         self._past, self._runner, self.state = self.history, None, SequenceState()
 
-    @property
-    def _known(self) -> SequenceInput:
-        return SequenceInput(self._reports, self._values, self._truth)
-
     def _going(self) -> SequenceRunner:
         if self._runner is None or self.state.is_over:
             raise SequenceError("no sequence is under way")
@@ -156,7 +156,7 @@ class SequenceBoard:
         except RefusedMessageError:  # the alarms' log says so
             return
         if name in REPORTS:
-            self._reports[REPORTS[name]] = report_of(message)
+            self._reports.setdefault(REPORTS[name], ReportQueue()).hear(message)
         if name == TRUTH:
             self._truth = message
         self._values |= runner.values(name, message)

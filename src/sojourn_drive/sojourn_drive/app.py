@@ -214,7 +214,8 @@ class DriveApp(FlightApp[DriveAppState]):
                     self._check_known(state, name, message.frame)
                     asked = replace(asked, pending=goal_of(name, message, state.drive.odometry, last.number), last=last)
                 except RefusedMessageError as refusal:
-                    asked = replace(asked, last=replace(last, state="refused", reason=str(refusal)))
+                    last = asked.last.refused(message, str(refusal), asked.pending is not None)
+                    asked = replace(asked, last=last)
                     refusals.append((name, str(refusal)))
         return asked
 

@@ -38,23 +38,27 @@ class GoalStatus:
     def under_way(self) -> "GoalStatus | None":
         """What the drive is on its way to, as long as it has not taken a newer goal."""
         if self.goes_on is not None:
-            return self.goes_on
+            return self.goes_on.under_way
         return self if self.state == "moving" else None
 
     def begun(self, message: Message) -> "GoalStatus":
         """A new goal has come."""
         return GoalStatus("moving", "", message.stamp, self.number + 1, self.under_way)
 
-    def refused(self, message: Message, reason: str) -> "GoalStatus":
-        """A goal or a velocity command has come and was refused."""
-        return GoalStatus("refused", reason, message.stamp, self.number + 1, self.under_way)
+    def refused(self, message: Message, reason: str, waits: bool = False) -> "GoalStatus":
+        """A goal or a velocity command has come and was refused. waits: whether the drive has yet to see the goal
+        before it, which is still to come.
+        """
+        goes_on = self if waits and self.state == "moving" else self.goes_on if waits else self.under_way
+        return GoalStatus("refused", reason, message.stamp, self.number + 1, goes_on)
 
     def pre_empted(self, stamp: int, unseen: str) -> "GoalStatus":
         """A velocity command stamped `stamp` [ns] has come: a goal on its way ends with the outcome that the drive
         gives it. A goal that the drive has not seen yet never starts, for the reason `unseen`; empty without one.
         """
         if unseen:
-            return replace(self, state="stopped", reason=unseen)
+            goal = self if self.state == "moving" else self.goes_on or self
+            return replace(goal, state="stopped", reason=unseen)
         return self.under_way or GoalStatus(stamp=stamp, number=self.number)
 
     def given_up(self, reason: str) -> "GoalStatus":
@@ -68,9 +72,7 @@ class GoalStatus:
         last = self
         for outcome in outcomes:
             last = last._after(outcome)
-        if last.goes_on is None or waits or last.state == "refused":
-            return last
-        return replace(last, goes_on=None)
+        return last if waits else last._seen()
 
     def told(self, now: int) -> "GoalStatus":
         """What is to be told at a time [ns]: a refusal, and after it the goal that goes on."""
@@ -78,7 +80,15 @@ class GoalStatus:
             return self
         if not self.until:
             return replace(self, until=now + REFUSAL_TOLD_NS)
-        return self if now < self.until else self.goes_on
+        is_now = self.until - REFUSAL_TOLD_NS <= now < self.until  # the clock may have been set
+        return self if is_now else self.goes_on
+
+    def _seen(self) -> "GoalStatus":
+        """After the drive has seen the newest goal: what that has taken the place of does not go on."""
+        if self.goes_on is None:
+            return self
+        goes_on = self.goes_on._seen() if self.state == "refused" else None
+        return self if goes_on is self.goes_on else replace(self, goes_on=goes_on)
 
     def _after(self, outcome: GoalOutcome) -> "GoalStatus":
         if outcome.goal.number == self.number and self.state == "moving":

@@ -33,6 +33,7 @@ from sojourn_operator.goal_progress import number, to_go
 from sojourn_operator.link.commands import ANSWERS, CANCELLED, OVER, RECEIVED
 from sojourn_operator.link.view import CommandLines, LinkView
 from sojourn_operator.listeners import Listeners
+from sojourn_operator.report_queue import ReportQueue, ToldReport
 from sojourn_operator.start_watch import StartWatch
 
 ANSWER_S = 5.0
@@ -56,7 +57,6 @@ ENDS = {"power": (DONE, "waiting", "refused"), "here": (DONE, "refused")}
 """States in which there is nothing to wait for; of goals FINAL_STATES. A load that waits comes back by itself."""
 REPORTS = {"power": request_report_of, "here": place_report_of}
 """How the answer to a command is read in a status; `report_of` for all others."""
-MOST_UNREAD = 1000
 NOT_KNOWN = "not known"
 BY_VELOCITY = "cmd_vel"
 """Mode of a drive that follows velocities."""
@@ -65,8 +65,8 @@ STANDING_M_S = 0.01
 STOP_SETTLE_S = 0.2
 STOPPED_S = 10.0
 """Wall time within which drive and arm must say that they stand; their statuses come once a simulated second."""
-STOP_AGAIN_S = 1.0
-"""Wall time after which a stop is sent again to who does not stand."""
+TOLD_NS = 3_000_000_000
+"""Simulation time within which two statuses tell of a stop, the first of which may be of before it came."""
 INTERRUPTED = 130
 
 
@@ -90,8 +90,7 @@ class GoalClient(Desk):
         self.now = 0
         """Simulation time [ns]; zero until a stamped status has come."""
         self.statuses: dict[str, DiagnosticArray] = {}
-        self._unread: dict[str, list[DiagnosticArray]] = {}
-        """Statuses that have come since the last look at them, by role: of a fast stack many at once."""
+        self._reports: dict[str, ReportQueue] = {}
         self.over_link = False
         """Whether what has just been sent goes over a link to Earth."""
         self.beats: dict[str, Heartbeat] = {}
@@ -201,28 +200,40 @@ class GoalClient(Desk):
         Args:
             senders: of the stop messages, by topic.
         """
-        messages, sent_at, begin = dict(stop_messages(0)), dict[str, float](), time.monotonic()
-        while (now := time.monotonic()) < begin + STOPPED_S and not self.stop.is_set:
+        messages, told, begin = dict(stop_messages(0)), set[str](), time.monotonic()
+        modes = dict[str, str]()
+        for _ in self._while_stopping():
             for who, name in STOP_TOPICS.items():
                 heard = self._listeners(senders[name])
-                if who not in sent_at and (heard.are_all_there or (heard.somebody_acts and now > begin + ANSWER_S)):
+                is_found = heard.are_all_there or (heard.somebody_acts and time.monotonic() > begin + ANSWER_S)
+                # Again where it has told since that it does not stand: its own zero moves a drive by velocity, too.
+                if (who in self.statuses and not self._stands(who)) if who in told else is_found:
                     self.statuses.pop(who, None)
-                elif who not in sent_at or now < sent_at[who] + STOP_AGAIN_S or self._stands(who):
-                    continue
-                senders[name].publish(encode(topic(name), messages[name]))
-                sent_at[who] = now
+                    senders[name].publish(encode(topic(name), messages[name]))
+                    told.add(who)
             self.spin(0.05)
-            asked = self._asked_to_stop(sent_at)
-            if asked and all(who in sent_at and self._stands(who) for who in asked):
+            asked = self._asked_to_stop(told)
+            if asked and all(who in told and self._stands(who) for who in asked):
                 return True, ", ".join(f"{who}: {report_of(self.statuses[who]).state}" for who in asked)
-        asked = self._asked_to_stop(sent_at)
-        silent = [who for who in asked if who not in sent_at]
+            for who in told & self.statuses.keys():
+                modes[who] = status_values(self.statuses[who]).get("mode", "")
+        asked = self._asked_to_stop(told)
+        silent = [who for who in asked if who not in told]
         if silent:
             return False, f"stop not heard by {' and '.join(silent)} within {STOPPED_S:g} s"
-        if "drive" in self.statuses and status_values(self.statuses["drive"]).get("mode") == BY_VELOCITY:
+        if modes.get("drive") == BY_VELOCITY:
             return False, "stop sent, but the drive goes on by velocities: somebody else sends them on /cmd_vel"
         moving = " and ".join(who for who in asked if not self._stands(who))
         return False, f"stop sent, but {moving} did not say within {STOPPED_S:g} s that it stands"
+
+    def _while_stopping(self) -> Iterator[None]:
+        """For STOPPED_S of wall time, and of a slow stack for as long as its statuses take to tell of a stop."""
+        begin, now, clock = time.monotonic(), self.now, ClockWatch(self.now)
+        while not self.stop.is_set:
+            is_slow = 0 < self.now < now + TOLD_NS and not clock.look(self.now)
+            if time.monotonic() > begin + STOPPED_S and not is_slow:
+                return
+            yield
 
     def _asked_to_stop(self, told: Collection[str]) -> list[str]:
         """Those who have been told, and those who take part: their hearts beat, or a process here holds their role."""
@@ -244,6 +255,11 @@ class GoalClient(Desk):
         values = status_values(status)
         return abs(number(values.get("speed_m_s", ""))) < STANDING_M_S and values.get("mode") != BY_VELOCITY
 
+    def told(self, who: str) -> ToldReport | None:
+        """What a role tells of its goals now; of several that are over one a look. None before the first word."""
+        reports = self._reports.get(who)
+        return None if reports is None else reports.look()
+
     def follow(self, command: str, timeout_s: float) -> tuple[str, str]:
         """Show the progress of the goal just sent until it ends. Returns outcome and reason."""
         who, name = GOALS[command]
@@ -256,11 +272,10 @@ class GoalClient(Desk):
         for gone in self._looks(timeout_s):
             if gone:
                 return NOT_KNOWN, gone
-            for status in self._unread.pop(who, [self.statuses.get(who)]):
-                report = None if status is None else report_of(status)
-                watch, ending = watch.step(report, self.now, 0 if status is None else status.stamp)
-                if ending is None or (ending.cause == SILENT and time.monotonic() < begin + ANSWER_S):
-                    continue
+            told = self.told(who)
+            report, stamp = (None, 0) if told is None else told
+            watch, ending = watch.step(report, self.now, stamp)
+            if ending is not None and (ending.cause != SILENT or time.monotonic() > begin + ANSWER_S):
                 return NOT_KNOWN if ending.cause == SILENT else ending.cause, ending.reason
             last = self.statuses.get(who)
             if last is not None and watch.is_known and time.monotonic() > said_at + SHOW_S:
@@ -275,10 +290,12 @@ class GoalClient(Desk):
         for gone in self._looks(timeout_s):
             if gone:
                 return NOT_KNOWN, gone
-            for status in self._unread.pop(who, []):
-                report = REPORTS[command](status)
-                if report.goal_stamp == self._last_stamp and report.state in ENDS[command]:
-                    return report.state, report.reason
+            status = self.statuses.get(who)
+            if status is None:
+                continue
+            report = REPORTS[command](status)
+            if report.goal_stamp == self._last_stamp and report.state in ENDS[command]:
+                return report.state, report.reason
         return self._not_finished("request", timeout_s)
 
     def _not_finished(self, what: str, timeout_s: float) -> tuple[str, str]:
@@ -370,10 +387,8 @@ class GoalClient(Desk):
 
     def _keep(self, who: str) -> Callable[[DiagnosticArray], None]:
         def keep(message: DiagnosticArray) -> None:
-            report_of(message)  # which refuses what is no report
+            self._reports.setdefault(who, ReportQueue()).hear(message)  # which refuses what is no report
             self.statuses[who] = message
-            self._unread.setdefault(who, []).append(message)
-            del self._unread[who][:-MOST_UNREAD]
 
         return keep
 

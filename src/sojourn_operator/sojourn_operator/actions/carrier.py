@@ -13,7 +13,6 @@ from sojourn_operator.actions.kind import LastHeard, Pursuit
 from sojourn_operator.actions.server import GoalServer
 from sojourn_operator.actions.watch import ABORTED, BREACH, CANCELED, REPLACED, UNSENT, Ending, GoalWatch
 from sojourn_operator.clock_watch import QUIET_S
-from sojourn_operator.goal_messages import report_of
 from sojourn_operator.goal_sending import GoalClient
 
 BESIDE = "the run has a link to Earth, round which no action goes: send goals with scripts/goal"
@@ -75,9 +74,9 @@ class Carrier:
         self._told, self._told_at = self._client.statuses.get(kind.role), time.monotonic()
 
     def _follow(self, watch: GoalWatch, pursuit: Pursuit) -> None:
-        status = self._client.statuses.get(self._server.kind.role)
-        report = None if status is None else report_of(status)
-        self._watch, ending = watch.step(report, self._client.now, 0 if status is None else status.stamp)
+        status, told = self._client.statuses.get(watch.role), self._client.told(watch.role)
+        report, stamp = (None, 0) if told is None else told
+        self._watch, ending = watch.step(report, self._client.now, stamp)
         heard = LastHeard(
             self._client.now, watch.stamp, {} if status is None else status_values(status), self._messages
         )

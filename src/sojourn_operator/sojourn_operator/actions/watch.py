@@ -34,12 +34,14 @@ class GoalWatch:
     Args:
         role: that carries it out. stamp: with which it has gone out [ns]. is_known: whether the role has told of it.
         stop: simulation time at which its sender has taken it back by a stop [ns]; None: nobody has.
+        heard: simulation time at which the role has told of it last [ns].
     """
 
     role: str
     stamp: int
     is_known: bool = False
     stop: int | None = None
+    heard: int = 0
 
     def step(self, report: GoalReport | None, now: int, told: int) -> tuple["GoalWatch", Ending | None]:
         """After a look.
@@ -48,7 +50,7 @@ class GoalWatch:
             report: the last word of the role, None before the first. now: simulation time [ns].
         """
         if report is not None and report.goal_stamp == self.stamp:
-            return replace(self, is_known=True), _ending_of(report, self.stop is not None)
+            return replace(self, is_known=True, heard=now), _ending_of(report, self.stop is not None)
         # An arm tells of a stop as of a goal, and a stop has no stamp.
         if report is not None and report.goal_stamp == 0 and self.stop is not None and told > self.stop:
             return self, None if report.state == "moving" else Ending(CANCELED, report.state, report.reason)
@@ -56,7 +58,7 @@ class GoalWatch:
         # One that was refused has not taken the place of this one.
         if report is not None and report.state != REFUSED and (self.is_known or report.goal_stamp > self.stamp):
             return self, Ending(ABORTED, REPLACED, f"the {self.role} has been given something else to do")
-        if now > self.stamp + round(SILENT_S * NANOSECONDS):
+        if now > max(self.stamp, self.heard) + round(SILENT_S * NANOSECONDS):
             reason = f"the {self.role} has told nothing of it within {SILENT_S:g} s of simulation time"
             return self, Ending(ABORTED, SILENT, reason)
         return self, None

@@ -15,7 +15,7 @@ from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.values import Message, Odometry, Path, PoseStamped
 from sojourn_operator.clock_watch import ClockWatch
 from sojourn_operator.foresight_words import foresight_lines
-from sojourn_operator.goal_messages import QUESTION, report_of
+from sojourn_operator.goal_messages import QUESTION
 from sojourn_operator.goal_sending import GoalClient
 from sojourn_operator.script import GoalToSend
 from sojourn_operator.sequence.runner import (
@@ -136,7 +136,7 @@ class SequenceDesk(GoalClient):
             self._send_now(stops)
 
     def _heard(self) -> SequenceInput:
-        reports = {who: report_of(status) for who, status in self.statuses.items()}
+        reports = {who: told.report for who in self.statuses if (told := self.told(who)) is not None}
         return SequenceInput(reports, self._values, self._truth)
 
     def _take(self, answer: Answer) -> None:

@@ -165,7 +165,9 @@ class SequenceRunner:
 
     def waits_for_person(self, state: SequenceState) -> bool:
         """Whether nothing but an operator's word can let it go on."""
-        return state.phase == WAITING and (bool(state.held) or self._asks(state))
+        if state.phase != WAITING:
+            return False
+        return bool(state.held) or (self._asks(state) and self.config.steps[state.index].within_s is None)
 
     def streams(self, state: SequenceState) -> bool:
         """Whether a step is under way that has to be looked at as often as can be: it keeps saying a velocity."""
