@@ -12,10 +12,13 @@ from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.replay_script import script_of
 from sojourn_bags.summary import summarise
 from sojourn_bringup import start
-from sojourn_bringup.checkpoints import last_before, resume
+from sojourn_bringup.checkpoints import _digests, last_before, resume
 from sojourn_config.command_errors import UsageError
 from sojourn_config.paths import config_folder
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_operator.scenario_steps import prepare_scenario
+from sojourn_stack.checkpoint import Origin, save
+from sojourn_stack.run import RunSpec, begun
 
 SHORT = ("--direct", "--set", "duration_limit_s=6.0", "--set", "steps=[{drive_to: {x: 0.2, y: 0.0}}, {wait_s: 1.0}]")
 BEGUN = 200
@@ -120,6 +123,8 @@ def test_with_other_values_it_branches_off(unbroken: Path) -> None:
         (["--set", "sensors.sun=null"], "another state"),
         (["--set", "battery_soc=0.1"], "battery_soc is of the start, which is over: allowed is what acts from 4 s on"),
         (["--set", "start.x=1.0"], "start is of the start, which is over"),
+        (["--seed", "99"], "seed is of the start, which is over"),
+        (["--set", "terrain.size_x=30.0"], "terrain is of the start, which is over"),
         (["--set", "steps[0].drive_to.x=5.0"], r"steps\[0\] has begun: allowed is .* its steps from steps\[1\]"),
         (["--set", "steps=[]"], r"steps\[0\] has begun"),
     ],
@@ -160,6 +165,21 @@ def test_it_goes_on_from_the_last_checkpoint_of_a_bag_before_a_time(unbroken: Pa
         last_before(tmp_path / "nowhere", 4.0)
     start.main(["--from", str(unbroken), "--at", "4.5", "--run-dir", str(tmp_path / "run")])
     assert after(read_bag(tmp_path / "run"), BEGUN) == after(read_bag(unbroken), BEGUN)
+
+
+@pytest.mark.parametrize("what", ["steps=[{wait_s: 1.0}]", "faults=[{joint: wheel_rear_left_joint, kind: motor_dead, at: 3.0}]",
+                                  "link={light_time_s: 1.3}"])  # fmt: skip
+def test_without_an_operator_a_branch_has_nothing_that_one_would_carry_out(tmp_path: Path, what: str) -> None:
+    """It was taken, and nothing came of it: the run stood, and never ended."""
+    scenario = prepare_scenario("flat_drive", ["steps=[{arm_joints: {name: stow}}]"])
+    roles = ("plant", "sensors", "drive", "power")
+    stack, state, _, _ = begun(RunSpec(scenario.name, roles, scenario.overrides, None, scenario.loaded))
+    state, _ = stack.step(state)
+    file = tmp_path / "one.checkpoint"
+    save(state, file, Origin(scenario.name, scenario.overrides, roles, _digests(scenario.loaded)))
+    with pytest.raises(UsageError, match=r"carried out by the role operator, which takes no part"):
+        resume(file, [what])
+    assert resume(file, ["soil.k_phi=200000.0"]).participants == roles
 
 
 def test_faults_of_before_are_told_of_and_those_of_a_branch_come(tmp_path: Path) -> None:

@@ -151,6 +151,27 @@ def test_no_operator_without_steps(tmp_path: Path) -> None:
     assert set(plan.participants) - set(plan.started) == {"drive", "arm", "power", "recorder"}
 
 
+FAULTS = "faults=[{kind: motor_dead, joint: wheel_rear_left_joint, at: 1.0}]"
+
+
+def test_faults_have_an_operator_who_sends_them(tmp_path: Path) -> None:
+    """Without steps, or without who carries them out, they did nothing, and the verdict said that they did not come."""
+    plan, said = plan_of(tmp_path, "--set", "steps=[]", "--set", FAULTS)
+    assert "operator" in plan.participants and not said
+    for others in (("--without", "operator"), ("--without", "arm")):
+        with pytest.raises(
+            UsageError, match=r"the faults are sent by the role operator, left out here: put faults=\[\]"
+        ):
+            plan_of(tmp_path, "--set", FAULTS, *others, scenario="lunar_sample")
+
+
+def test_what_is_kept_for_a_node_is_not_its_shadow_s(tmp_path: Path) -> None:
+    """A candidate wrote its own pose and goal to where the next process of the drive itself would have looked."""
+    plan, _ = plan_of(tmp_path, "--realtime", "--shadow", "drive=run")
+    assert {"kept", "restarts"} <= plan.parameters("drive").keys()
+    assert plan.parameters("drive").keys() - plan.candidate_parameters("drive").keys() == {"kept", "restarts"}
+
+
 def test_run_folder_that_cannot_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file", tmp_path / "file" / "run"):

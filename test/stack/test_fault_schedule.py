@@ -14,7 +14,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.fault_messages import FaultEvent, fault_message, read_fault
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.stamps import NANOSECONDS
-from sojourn_contract.topics import ROLES, topic
+from sojourn_contract.topics import ROLES, STANDARD, topic
 from sojourn_contract.values import Odometry
 from sojourn_machine.fault_choice import read_fault_words
 from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, SeenRun
@@ -22,6 +22,7 @@ from sojourn_plant.app import PlantApp
 from sojourn_sensors.app import SensorsApp
 from sojourn_stack.apps import make_apps
 from sojourn_stack.checkpoint import load, save
+from sojourn_stack.recorder import onset_of
 from sojourn_stack.run import RunSpec, run
 from sojourn_stack.stack import Said, Stack, StackState
 
@@ -91,6 +92,33 @@ def test_a_bag_whose_sensors_wait_for_the_operator_is_one_of_our_contract(tmp_pa
     fault = "faults=[{kind: sensor, sensor: imu, stuck: true, at: 0.3}]"
     run(RunSpec("flat_drive", tuple(ROLES), (fault, "duration_limit_s=0.5"), tmp_path / "bag"))
     assert check_own_contract(read_bag(tmp_path / "bag"))
+
+
+def test_the_distance_counts_from_the_start_of_the_run_in_a_branch_too() -> None:
+    """In a run without faults it was not counted: a fault of 15 m came after 35."""
+    words = f"faults=[{{kind: motor_dead, joint: {WHEEL}, when: {{distance: 15.0}}}}]"
+    (fault,) = load_scenario("flat_drive", [words]).config.faults
+    state, branch = ScheduleState(), FaultSchedule([fault], seed=1)
+    truth = Odometry(0, "map", "base_link", np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), np.zeros(3))
+    for second in range(1, 12):
+        at = truth._replace(position=np.array([float(second), 0.0, 0.0]))
+        state, _ = FaultSchedule([], seed=1).look(state, SeenRun(second * NANOSECONDS, 0, {}, at))
+    assert state.distance == 10.0
+    for second in range(12, 30):
+        at = truth._replace(position=np.array([float(second), 0.0, 0.0]))
+        state, said = branch.look(state, SeenRun(second * NANOSECONDS, 0, {}, at))
+        if said:
+            break
+    assert second == 16
+
+
+def test_a_fault_that_was_sent_by_hand_is_told_of_in_what_goes_on(stack: Stack) -> None:
+    """It acted on, and stood neither in the verdict nor in the report."""
+    state, _ = stepped(stack, stack.begin()[0], 2)
+    fault = read_fault_words({"kind": "motor_weak", "joint": WHEEL, "part": "0.5"})
+    state = stack.hearing(state, "plant", [(topic("/faults"), fault_message(0, FaultEvent("by hand", fault, True)))])
+    state, _ = stepped(stack, state, 5)
+    assert onset_of(state, STANDARD).faults["by hand"] == (0.0, None)
 
 
 def test_a_fault_whose_end_is_past_when_its_event_comes_never_comes() -> None:

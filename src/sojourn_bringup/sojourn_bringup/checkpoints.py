@@ -30,8 +30,12 @@ from sojourn_stack.structure import difference
 
 FOLDER, SUFFIX = "checkpoints", ".checkpoint"
 HALF_PERIOD_S = seconds(CONTROL_PERIOD_NS) / 2
-ONLY_AT_START = ("start", "battery_soc")
-"""Values of a scenario that the state of a run has taken the place of."""
+ONLY_AT_START = ("start", "battery_soc", "seed", "terrain")
+"""Values of a scenario that the state of a run has taken the place of: noise goes on from where it is, and the machine
+stands on the ground that there was.
+"""
+OF_OPERATOR = ("steps", "faults", "link")
+"""Values of a scenario that the role operator carries out."""
 
 
 class CheckpointKeeper:
@@ -149,6 +153,10 @@ def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
     late = _too_late(as_it_was.loaded.config, branched.loaded.config, state)
     if late:
         raise UsageError(f"{file}: {late}")
+    idle = _idle(as_it_was.loaded.config, branched.loaded.config)
+    if idle and OperatorApp.role not in origin.participants:
+        reason = "carried out by the role operator, which takes no part in the run of this checkpoint"
+        raise UsageError(f"{file}: {' and '.join(idle)}: {reason}: allowed is none of them")
     unlike = _unlike(as_it_was.loaded, branched.loaded, origin.participants)
     if unlike:
         raise UsageError(f"{file}: with these values the run would have another state ({unlike})")
@@ -187,6 +195,11 @@ def _too_late(one: ScenarioConfig, other: ScenarioConfig, state: StackState) -> 
             allowed = f"its steps from steps[{begun}] on, and the time-out of the step that goes on"
             return f"steps[{place}] has begun: allowed is a change of {allowed}"
     return ""
+
+
+def _idle(one: ScenarioConfig, other: ScenarioConfig) -> list[str]:
+    """What another run would have its operator carry out that the one has not."""
+    return [name for name in OF_OPERATOR if getattr(other, name) and getattr(other, name) != getattr(one, name)]
 
 
 def _steps_begun(state: StackState) -> int:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:  # the options need none of its libraries
 
 DEFAULT_LOCKSTEP_TIMEOUT_S = 10.0
 DEFAULT_START_TIMEOUT_S = 60.0
+OF_RESTARTS = ("kept", "restarts")
+"""ROS parameters of a node that is started again: where it finds what it was to keep, and how often it was."""
 
 
 @dataclass(frozen=True)
@@ -106,12 +108,16 @@ class RunPlan:
             "lockstep_timeout_s": float(self.lockstep_timeout_s),
         }
         if self.realtime and role not in self.replacements:  # in lock-step nothing is started again
-            values |= {"kept": str(self.run_dir / "kept" / f"{role}.json"), "restarts": attempt}
+            values |= dict(zip(OF_RESTARTS, (str(self.run_dir / "kept" / f"{role}.json"), attempt), strict=True))
         if self.overrides:
             values["overrides"] = list(self.overrides)
         if role == "recorder":
             values["bag"] = str(self.bag(attempt))
         return values
+
+    def candidate_parameters(self, role: str) -> dict[str, object]:
+        """ROS parameters of a node that is compared with that of a role: what is kept is the other's."""
+        return {name: value for name, value in self.parameters(role).items() if name not in OF_RESTARTS}
 
     def ros_arguments(self, role: str, attempt: int = 0) -> list[str]:
         """Command line arguments that give a process its parameters and its namespace."""

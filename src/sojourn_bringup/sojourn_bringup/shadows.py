@@ -35,7 +35,12 @@ class Shadows:
         plan = self._plan
         for role, command in plan.shadows.items():
             words = [sys.executable, "-m", "sojourn_bringup.shadow", "--role", role, "--command", command]
-            words += ["--parameters", json.dumps(plan.parameters(role)), "--result", str(plan.shadow_file(role))]
+            words += [
+                "--parameters",
+                json.dumps(plan.candidate_parameters(role)),
+                "--result",
+                str(plan.shadow_file(role)),
+            ]
             words += ["--bag", str(plan.run_dir / f"shadow_{role}"), "--domain", str(plan.domain)]
             words += ["--log", str(plan.run_dir / "logs" / f"shadow_{role}.log")]
             words += ["--namespace", plan.namespace] if plan.namespace else []

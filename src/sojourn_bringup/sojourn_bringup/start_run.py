@@ -181,7 +181,7 @@ def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: S
     if "operator" not in without:
         needed = needed_roles(scenario)
         lacking = [role for role in needed if role in without]
-        if not scenario.config.steps and scenario.link is None:
+        if not scenario.config.steps and scenario.link is None and not scenario.config.faults:
             screen.say("the scenario has no steps: send goals with scripts/goal, end with Ctrl-C")
             without.add("operator")
         elif lacking:
@@ -189,6 +189,8 @@ def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: S
             without.add("operator")
     if "operator" in without and scenario.link is not None:
         raise UsageError("the link to Earth is carried by the role operator, left out here: put link=null over it")
+    if "operator" in without and scenario.config.faults:
+        raise UsageError("the faults are sent by the role operator, left out here: put faults=[] over them")
     return tuple(role for role in ROLE_NAMES if role not in without)
 
 

@@ -32,13 +32,18 @@ def onset_of(state: StackState, table: TopicTable) -> Onset:
 
 
 def _faults_before(state: StackState) -> dict[str, Span]:
-    """Faults of the schedule that have come by then, with when they came and went."""
-    operator = state.roles.get("operator")
-    if operator is None:
-        return {}
-    begun, over = operator.app.faults.begun, operator.app.faults.over
-    gone = {name: seconds(stamp) for name, stamp in over.items() if stamp <= state.now}
-    return {name: (seconds(stamp), gone.get(name)) for name, stamp in begun.items() if stamp <= state.now}
+    """Faults that have come by then, with when they came and went: those of the schedule, and those of the plant that
+    somebody has sent besides, of which it is known alone that they are there.
+    """
+    operator, plant = state.roles.get("operator"), state.roles.get("plant")
+    found = dict[str, Span]()
+    if operator is not None:
+        begun, over = operator.app.faults.begun, operator.app.faults.over
+        gone = {name: seconds(stamp) for name, stamp in over.items() if stamp <= state.now}
+        found = {name: (seconds(stamp), gone.get(name)) for name, stamp in begun.items() if stamp <= state.now}
+    if plant is not None:
+        found |= {one.name: (0.0, None) for one in getattr(plant.app, "faults", ()) if one.name not in found}
+    return found
 
 
 class DirectRecorder:
