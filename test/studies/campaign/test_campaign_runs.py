@@ -5,8 +5,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
@@ -14,8 +14,12 @@ from pyarrow import parquet
 
 from sojourn_config.command_errors import UsageError
 from sojourn_studies.campaign import cluster, command, conduct
-from sojourn_studies.campaign.folder import IDENTITY, JOURNAL, LOCK, WORK
+from sojourn_studies.campaign.errors import CampaignError
+from sojourn_studies.campaign.folder import WORK
+from sojourn_studies.campaign.identity import IDENTITY, JOURNAL, LOCK
+from sojourn_studies.campaign.row import LOST, MET, unfinished_row
 from sojourn_studies.campaign.table import TABLE
+from sojourn_studies.campaign.task import Finished, Order
 
 CAMPAIGN = """
 description: Short drives, of which one cannot be
@@ -136,3 +140,74 @@ def test_no_table_and_no_page_are_written_of_no_runs(
     with pytest.raises(KeyboardInterrupt):
         run(campaign, tmp_path / "out", "--workers", "1")
     assert {path.name for path in (tmp_path / "out").iterdir()} == {IDENTITY, LOCK}
+
+
+class NoClient:
+    """Of no worker."""
+
+    def nthreads(self) -> dict[str, int]:
+        return {}
+
+
+def test_lost_runs_are_not_judged_and_come_last(
+    campaign: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    asked: list[list[int]] = []
+
+    def disk_is_full(_: object, orders: list[Order], __: object, take: Callable[[Finished], None]) -> None:
+        asked.append([order.draw.number for order in orders])
+        for order in orders[:2] if len(asked) == 1 else orders:
+            take(Finished(unfinished_row(order.draw, LOST, "No space left on device")))
+
+    monkeypatch.setattr(conduct, "workers_here", lambda *_: nullcontext(NoClient()))
+    monkeypatch.setattr(conduct, "carry_out", disk_is_full)
+    assert run(campaign, out) == 1
+    assert run(campaign, out) == 1
+    assert asked == [[0, 1, 2, 3], [2, 3, 0, 1]]
+    assert "4 runs were lost and are not judged (No space left on device): the same command" in capsys.readouterr().out
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "0 OF 4 RUNS ARE DONE" in page and "0 of 0 runs met their goals: no run" in page
+    assert [row["result"] for row in parquet.read_table(out / TABLE).to_pylist()] == [LOST] * 4
+
+
+def test_a_folder_that_is_moved_away_ends_in_a_sentence(
+    campaign: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+
+    def moved(_: object, orders: list[Order], __: object, take: Callable[[Finished], None]) -> None:
+        take(Finished(unfinished_row(orders[0].draw, LOST, "x")))
+        out.rename(tmp_path / "elsewhere")
+        take(Finished(unfinished_row(orders[1].draw, LOST, "x")))
+
+    monkeypatch.setattr(conduct, "workers_here", lambda *_: nullcontext(NoClient()))
+    monkeypatch.setattr(conduct, "carry_out", moved)
+    with pytest.raises(CampaignError, match="was moved or removed"):
+        run(campaign, out)
+    assert not out.exists()
+
+
+def test_more_runs_go_on_where_they_bring_a_further_machine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, file = tmp_path / "out", tmp_path / "mine.yaml"
+    monkeypatch.setattr(conduct, "workers_here", lambda *_: nullcontext(NoClient()))
+    monkeypatch.setattr(conduct, "carry_out", lambda _, orders, __, take: take(finished_at_once(orders[0])))
+    for runs in (1, 2, 1):
+        file.write_text(
+            f"description: x\nscenario: flat_drive\nruns: {runs}\n"
+            "values: {machine: {kind: list, of: [explorer, skid]}}\n",
+            encoding="utf-8",
+        )
+        assert run(str(file), out) == 0
+    with (out / JOURNAL).open("r+b") as journal:
+        journal.write(b"\0" * 9)
+    assert run(str(file), out) == 0
+    assert f"{out / JOURNAL}, line 1: it is no row of a run and is passed over" in capsys.readouterr().out
+    assert _lines(out / JOURNAL) == 3
+
+
+def finished_at_once(order: Order) -> Finished:
+    """With the row of a run that met its goals."""
+    return Finished(unfinished_row(order.draw, MET, ""))

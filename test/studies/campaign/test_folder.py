@@ -1,13 +1,18 @@
 """The folder of a campaign: what is in its journal is done, whatever has become of the process."""
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
 
 from sojourn_config.command_errors import UsageError
 from sojourn_studies.campaign.carried import packed
-from sojourn_studies.campaign.folder import JOURNAL, open_folder
+from sojourn_studies.campaign.errors import CampaignError
+from sojourn_studies.campaign.folder import open_folder
+from sojourn_studies.campaign.identity import FILES, JOURNAL, READ
+from sojourn_studies.campaign.identity import IDENTITY as IDENTITY_FILE
 from sojourn_studies.campaign.row import LOST, MET
 from sojourn_studies.campaign.task import Finished
 
@@ -83,4 +88,78 @@ def test_two_processes_do_not_work_on_one_campaign(tmp_path: Path) -> None:
         pytest.raises(UsageError, match="another process works on this campaign"),
         open_folder(tmp_path, IDENTITY),
     ):
+        pass
+
+
+def test_more_runs_and_fewer_read_other_files(tmp_path: Path) -> None:
+    few = IDENTITY | {FILES: {"explorer": "a"}, READ: {"by run 0": "x"}}
+    many = IDENTITY | {FILES: {"explorer": "a", "skid": "b"}, READ: {"by run 0": "x", "by run 7": "y"}}
+    with open_folder(tmp_path, few) as folder:
+        folder.take(finished(0))
+    for identity in (many, few, many):
+        with open_folder(tmp_path, identity) as folder:
+            assert folder.done() == {0}
+    changed = many | {FILES: {"explorer": "a", "skid": "c"}}
+    with pytest.raises(UsageError, match="another campaign: files: skid differ"), open_folder(tmp_path, changed):
+        pass
+    further = few | {FILES: {"explorer": "a", "measured": "d"}, READ: {"by run 0": "z"}}
+    with pytest.raises(UsageError, match="files read: by run 0 differ"), open_folder(tmp_path, further):
+        pass
+
+
+@pytest.mark.parametrize("bad", [b"\0" * 40, b'{"row": {"run": 1}}', b"[1, 2]", b'"row"', b"", b"\xff\xfe"])
+def test_a_line_that_is_no_row_is_passed_over(tmp_path: Path, bad: bytes) -> None:
+    with open_folder(tmp_path, IDENTITY) as folder:
+        for number in range(3):
+            folder.take(finished(number))
+    journal = tmp_path / JOURNAL
+    lines = journal.read_bytes().splitlines()
+    journal.write_bytes(b"\n".join([*lines[:2], bad]) + b"\n")
+    with open_folder(tmp_path, IDENTITY) as folder:
+        assert folder.done() == {0, 1} and folder.unreadable == [], "at the end it is as one that was cut off"
+    assert journal.read_bytes().splitlines() == lines[:2]
+    journal.write_bytes(b"\n".join([lines[0], bad, lines[2]]) + b"\n")
+    with open_folder(tmp_path, IDENTITY) as folder:
+        assert folder.done() == {0, 2} and folder.unreadable == [2]
+        folder.take(finished(1))
+    with open_folder(tmp_path, IDENTITY) as folder:
+        assert folder.done() == {0, 1, 2}
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_a_folder_that_is_gone_is_named(tmp_path: Path, again: bool) -> None:
+    path = tmp_path / "c"
+    with open_folder(path, IDENTITY) as folder:
+        folder.take(finished(0))
+        path.rename(tmp_path / "moved")
+        if again:  # as a worker does that needs its place below it
+            (path / "work").mkdir(parents=True)
+        with pytest.raises(CampaignError, match=r"c: the folder of the campaign was moved or removed while"):
+            folder.take(finished(1))
+    with open_folder(tmp_path / "moved", IDENTITY) as folder:
+        assert folder.done() == {0}
+
+
+def test_a_folder_that_takes_nothing_more_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with open_folder(tmp_path, IDENTITY) as folder:
+        folder.take(finished(0))
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", full)
+            with pytest.raises(CampaignError, match="cannot be written: No space left on device"):
+                folder.take(finished(1))
+        assert folder.done() == {0}
+
+
+def test_what_cannot_be_read_of_a_folder_is_named(tmp_path: Path) -> None:
+    with open_folder(tmp_path, IDENTITY) as folder:
+        folder.take(finished(0))
+    (tmp_path / JOURNAL).unlink()
+    (tmp_path / JOURNAL).mkdir()
+    with pytest.raises(UsageError, match="cannot be read or written"), open_folder(tmp_path, IDENTITY):
+        pass
+    (tmp_path / IDENTITY_FILE).write_text("[]", encoding="utf-8")
+    with pytest.raises(UsageError, match="does not say of which campaign"), open_folder(tmp_path, IDENTITY):
         pass

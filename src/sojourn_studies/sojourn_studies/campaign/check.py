@@ -33,13 +33,13 @@ def telling(runs: Sequence[Draw]) -> list[Draw]:
     return [runs[number] for number in sorted(chosen)]
 
 
-def loaded(runs: Iterable[Draw], file: Path) -> list[LoadedScenario]:
-    """What the runs load.
+def loaded(runs: Iterable[Draw], file: Path) -> dict[int, LoadedScenario]:
+    """What the runs load, by their numbers.
 
     Raises:
         UsageError: some of them cannot be run; with what is wrong in each.
     """
-    found: list[LoadedScenario] = []
+    found: dict[int, LoadedScenario] = {}
     wrong: dict[str, int] = {}
     for one in runs:
         try:
@@ -48,7 +48,7 @@ def loaded(runs: Iterable[Draw], file: Path) -> list[LoadedScenario]:
             wrong.setdefault(str(error), one.number)
             continue
         if scenario.config.steps:
-            found.append(scenario)
+            found[one.number] = scenario
         else:
             wrong.setdefault(f"{one.scenario} has no steps: a run of a campaign ends with its steps", one.number)
     if wrong:

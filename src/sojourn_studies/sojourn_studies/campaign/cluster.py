@@ -25,6 +25,7 @@ CONNECT_S = 20.0
 _QUIET = {
     "distributed.nanny.pre-spawn-environ": arithmetic.pins(),
     "distributed.logging": {"distributed": "error", "bokeh": "critical", "tornado": "critical"},
+    "distributed.admin.large-graph-warning-threshold": "1GB",
     "distributed.worker.profile.enabled": False,
     "distributed.worker.memory.monitor-interval": "1s",
     "distributed.scheduler.work-stealing": False,
@@ -35,7 +36,8 @@ _QUIET = {
     "distributed.admin.system-monitor.gil.enabled": False,
 }
 """A task of ours keeps its worker's process busy for long. Dask's look-outs are for short ones: on their defaults they
-take 6 % of a processor and warn of each run; so they take 1 %."""
+take 6 % of a processor and warn of each run; so they take 1 %. They warn of files of 10 MB, too: an elevation model
+has as many."""
 
 
 def cores() -> int:

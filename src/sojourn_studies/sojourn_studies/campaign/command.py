@@ -12,8 +12,9 @@ def parser() -> command_line.Parser:
         prog="campaign",
         description="Do the runs of a campaign: scenario, seeds and any values drawn from distributions. Stopped or "
         "killed, the same command goes on with what is left.",
-        epilog="Exit status: 0 every run has its row, whatever became of it; 1 some were lost with their workers, and "
-        "the same command tries them once more; 2 the campaign cannot be; 130 interrupted.",
+        epilog="Exit status: 0 every run has its row, whatever became of it; 1 some were lost with their workers, or "
+        "because these had no room or memory, and the same command tries them once more; 2 the campaign cannot be; 130 "
+        "interrupted.",
     )
     result.add_argument("campaign", nargs="?", metavar="FILE", help="name in config/campaigns, or a YAML file")
     result.add_argument("--out", type=Path, metavar="DIR", help="folder of the campaign (default: runs/campaign_NAME)")

@@ -62,7 +62,7 @@ class CampaignFindings:
 
     @cached_property
     def judged(self) -> list[Row]:
-        """Runs that count: all but those whose worker was lost; one that could not be run has not met its goals."""
+        """Runs that count: all but those that were lost; one that could not be run has not met its goals."""
         return sorted((row for row in self.rows if row["result"] != LOST), key=lambda row: row["run"])
 
     @property

@@ -50,17 +50,18 @@ def in_words(rate: Rate) -> str:
 def _headline(found: CampaignFindings) -> str:
     rate, results = found.rate, found.results
     words = f"{rate.met} of {rate.runs} runs met their goals: {in_words(rate)}."
-    whole = len(found.rows) >= found.total
-    state = "THE CAMPAIGN IS DONE" if whole else f"{len(found.rows)} OF {found.total} RUNS ARE DONE"
+    done = len(found.judged)  # the same command does those again that were lost
+    state = "THE CAMPAIGN IS DONE" if done >= found.total else f"{done} OF {found.total} RUNS ARE DONE"
     counts = [Tile(name, str(results[name])) for name in (MET, UNMET, RAISED, LOST) if results[name] or name == MET]
     head = f'<div class="verdict open"><b>{state}</b>{paragraph(words)}</div>'
-    return head + tiles([Tile("runs", f"{len(found.rows)} of {found.total}"), *counts])
+    return head + tiles([Tile("runs", f"{done} of {found.total}"), *counts])
 
 
 def _rates(found: CampaignFindings) -> str:
     note = (
         f"Of each group the share of runs that met their goals, with its exact {PERCENT} interval (Clopper and Pearson "
-        "1934). A run that could not be run counts as one that failed; one whose worker was lost does not count."
+        "1934). A run that could not be run counts as one that failed; one that was lost with its worker, or because "
+        "that had no room or memory, does not count."
     )
     rows = [["all", "", *_cells(found.rate)], *([one.key, one.value, *_cells(one.rate)] for one in found.groups())]
     head = ("input", "value", "runs", "met", "share [%]", "from [%]", "to [%]")

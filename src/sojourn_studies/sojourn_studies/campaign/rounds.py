@@ -1,10 +1,15 @@
-"""The runs of a campaign over its workers: a window of them is under way, each comes back and the next is sent."""
+"""The runs of a campaign over its workers: a window of them is under way, each comes back and the next is sent.
+
+A worker that dies takes along every run that was on it, and Dask sends them out again; which of them it died of is not
+known. So a run whose workers died too often is held back and, when the rest is done, done once more by itself: what was
+only beside a deadly run has its row, and the deadly one is lost.
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple, NoReturn
 
-from distributed import Client, Future, as_completed
+from distributed import Client, Future, KilledWorker, as_completed
 
 from sojourn_studies.campaign.carried import CarriedFiles
 from sojourn_studies.campaign.cluster import threads
@@ -14,38 +19,106 @@ from sojourn_studies.campaign.task import Finished, Order, do
 
 AHEAD = 2
 """Runs under way for each that a worker can take, so that none waits for the next; few, as kept bags wait in memory."""
+LOST_IN_A_ROW = 5
+"""Runs lost one after the other, for each that the workers take at once, after which the campaign stops: a disk that is
+full for one run is full for the next, and a thousand rows that say so are no use."""
+
+
+class _Ended(NamedTuple):
+    """A run that came back, and whether it did so because its workers died."""
+
+    order: Order
+    finished: Finished
+    killed: bool
+
+
+class _Losses:
+    """Counts the runs that were lost since the last that was not. `most`: after which it is enough."""
+
+    def __init__(self, most: int) -> None:
+        self._most, self._count = most, 0
+
+    def are_too_many(self, finished: Finished) -> bool:
+        """Whether they are with this run."""
+        self._count = self._count + 1 if finished.row["result"] == LOST else 0
+        return self._count >= self._most
 
 
 def carry_out(client: Client, orders: Iterable[Order], carried: CarriedFiles, take: Callable[[Finished], None]) -> None:
-    """Do all runs; each is taken as it ends, in any order.
+    """Do all runs; each is taken once, as it ends, in any order.
 
     Raises:
-        CampaignError: the scheduler is gone.
+        CampaignError: the scheduler is gone, or run after run is lost.
+    """
+    # not scattered: what is scattered is gone with the last worker that has it, what is computed is computed anew
+    here = client.submit(_as_it_is, carried, key="carried", pure=False)
+    most = LOST_IN_A_ROW * threads(client)
+    held: list[_Ended] = []
+    losses = _Losses(most)
+    for ended in _ended(client, orders, here, lambda: AHEAD * threads(client), "run"):
+        if ended.killed:
+            held.append(ended)
+        else:
+            take(ended.finished)
+        if losses.are_too_many(ended.finished):
+            _stop(ended, held, take, most)
+    losses = _Losses(most)
+    for ended in _ended(client, [one.order for one in held], here, lambda: 1, "run-alone"):
+        held.pop(0)
+        take(ended.finished)
+        if losses.are_too_many(ended.finished):
+            _stop(ended, held, take, most)
+
+
+def _stop(last: _Ended, held: Iterable[_Ended], take: Callable[[Finished], None], count: int) -> NoReturn:
+    """End the campaign. Raises CampaignError."""
+    for one in held:  # with their rows they come after the others the next time
+        take(one.finished)
+    raise CampaignError(
+        f"{count} runs one after the other were lost, the last one because {last.finished.row['reason']}; what is done "
+        "is kept: with that mended the same command goes on with the rest"
+    )
+
+
+def _ended(
+    client: Client, orders: Iterable[Order], here: Future, most: Callable[[], int], name: str
+) -> Iterator[_Ended]:
+    """Runs as they end.
+
+    Args:
+        here: the files that they need, on the workers. most: how many may be under way now. name: of the tasks.
     """
     rest = iter(orders)
-    here = client.scatter(carried, broadcast=True, hash=False)
     by_key: dict[Any, Order] = {}
 
-    def sent(count: int) -> Iterator[Future]:
-        for order in islice(rest, count):
-            future = client.submit(do, order, here, key=f"run-{order.draw.number}", pure=False)
+    def sent() -> Iterator[Future]:
+        for order in islice(rest, max(most() - len(by_key), 0)):  # fewer may go than are: a worker has died
+            future = client.submit(do, order, here, key=f"{name}-{order.draw.number}", pure=False)
             by_key[future.key] = order
             yield future
 
-    under_way = as_completed(sent(AHEAD * threads(client)), loop=client.loop)
+    under_way = as_completed(sent(), loop=client.loop)
     for future in under_way:
-        order = by_key.pop(future.key)
-        take(_outcome(future, order))
+        yield _outcome(future, by_key.pop(future.key))
         future.release()
-        for following in sent(AHEAD * threads(client) - len(by_key)):
+        for following in sent():
             under_way.add(following)
 
 
-def _outcome(future: Future, order: Order) -> Finished:
+def _outcome(future: Future, order: Order) -> _Ended:
     if future.status == "finished":
-        result: Finished = future.result()
-        return result
+        return _Ended(order, future.result(), killed=False)
     if future.status == "cancelled":
         raise CampaignError("the scheduler is gone; what is done is kept: the same command goes on with the rest")
     error = future.exception()
-    return Finished(unfinished_row(order.draw, LOST, " ".join(str(error).split()) or type(error).__name__))
+    killed = isinstance(error, KilledWorker)
+    if killed:
+        last = error.last_worker.address
+        reason = f"each of the {error.allowed_failures + 1} workers that had it died, the last of them {last}"
+    else:
+        reason = " ".join(str(error).split()) or type(error).__name__
+    return _Ended(order, Finished(unfinished_row(order.draw, LOST, reason)), killed)
+
+
+def _as_it_is(value: CarriedFiles) -> CarriedFiles:
+    return value

@@ -7,7 +7,9 @@ from typing import Any
 from sojourn_studies.campaign.draws import Draw
 
 MET, UNMET, RAISED, LOST = "met", "not met", "raised", "lost"
-"""How a run ends: its goals met or not; it could not be run; its worker was gone, or was not like the others."""
+"""How a run ends: its goals met or not; it could not be run; or nothing is known of it, as its worker was gone, had no
+room or memory, or was not like the others."""
+ENDS = (MET, UNMET, RAISED, LOST)
 FIGURES = (
     "sim_time_s",
     "distance_m",

@@ -5,6 +5,7 @@ are the process's. Compiled kernels, imported packages and the configuration on 
 """
 
 import os
+import platform
 import shutil
 import tempfile
 import time
@@ -16,7 +17,7 @@ from typing import Any
 
 from distributed import get_worker
 
-from sojourn_bags.errors import BagsError
+from sojourn_bags.errors import BagsError, UnwritableBagError
 from sojourn_bringup.process_table import ROLE_NAMES
 from sojourn_config.errors import ConfigError
 from sojourn_contract.errors import ContractError
@@ -27,12 +28,14 @@ from sojourn_stack.run import RunSpec, run
 from sojourn_studies.campaign.alike import Versions, check_alike
 from sojourn_studies.campaign.carried import CarriedFiles, in_configuration, packed
 from sojourn_studies.campaign.draws import Draw
-from sojourn_studies.campaign.row import RAISED, UNMET, finished_row, unfinished_row
+from sojourn_studies.campaign.row import LOST, RAISED, UNMET, finished_row, unfinished_row
 
 REPORT, BAG, SUMMARY = "report.html", "bag", "summary.json"
 _one_at_a_time = Lock()
-_KNOWN = (ConfigError, MachineError, StackError, ContractError, BagsError, OSError)
+_KNOWN = (ConfigError, MachineError, StackError, ContractError, BagsError)
 """Errors that say all in their own words."""
+_OF_THE_WORKER = (OSError, MemoryError, UnwritableBagError)
+"""A disk that is full and memory that is short say nothing of the run: another worker does it, or this one later."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ def do(order: Order, carried: CarriedFiles) -> Finished:
     """Do a run. What goes wrong in it is told in its row.
 
     Raises:
-        WorkerError: this worker does not compute as the others do.
+        WorkerError: this worker does not compute as the others do. OSError: it has no room for the configuration.
     """
     with _one_at_a_time:
         check_alike(order.versions)
@@ -91,12 +94,25 @@ def _done(order: Order, folder: Path) -> Finished:
         run(RunSpec(scenario.name, roles, scenario.overrides, folder / BAG, scenario.loaded))
         spent = time.process_time() - before
         return _judged(order, folder, scenario.loaded.config.seed, spent)
-    except _KNOWN as error:
-        return Finished(unfinished_row(order.draw, RAISED, str(error)))
-    except Exception as error:  # an error in our own code is the run's too: the campaign goes on
-        last = traceback.extract_tb(error.__traceback__)[-1]
-        reason = f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
-        return Finished(unfinished_row(order.draw, RAISED, reason))
+    except Exception as error:  # one in our own code is the run's too: the campaign goes on
+        return Finished(unfinished_row(order.draw, *_ending(error, folder)))
+
+
+def _ending(error: Exception, folder: Path) -> tuple[str, str]:
+    """How an error ends a run, RAISED or LOST, and why in words.
+
+    Args:
+        folder: of the run; it has another name each time, which is left out of the words.
+    """
+    wraps = isinstance(error, BagsError) and error.__cause__ is not None
+    cause = error.__cause__ if wraps else error
+    if isinstance(cause, _OF_THE_WORKER):
+        words = " ".join(str(cause).split()).replace(f"{folder}{os.sep}", "") or type(cause).__name__
+        return LOST, f"its worker on {platform.node()} could not go on: {words}"
+    if isinstance(error, _KNOWN):
+        return RAISED, str(error)
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return RAISED, f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
 
 
 def _judged(order: Order, folder: Path, seed: int, spent: float) -> Finished:

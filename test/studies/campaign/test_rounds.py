@@ -1,0 +1,104 @@
+"""Runs over real workers that die, and over workers that can do nothing: each run has its row once."""
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import dask
+import pytest
+from distributed import Client, LocalCluster
+
+from sojourn_studies.campaign import cluster, rounds
+from sojourn_studies.campaign.carried import CarriedFiles
+from sojourn_studies.campaign.draws import Draw
+from sojourn_studies.campaign.errors import CampaignError
+from sojourn_studies.campaign.row import LOST, MET, unfinished_row
+from sojourn_studies.campaign.task import Finished, Order
+
+CARRIED = CarriedFiles({"config/x.yaml": b"1"})
+Task = Callable[[Order, CarriedFiles], Finished]
+
+
+def orders(count: int) -> list[Order]:
+    return [Order(Draw(number, "flat_drive", {}, ()), "flat_drive", (), True, ()) for number in range(count)]
+
+
+def deadly(folder: Path, number: int, kills: int) -> Task:
+    """A task that kills its process the first times that this run is done. It goes to the workers as it is, as they
+    cannot import this module.
+    """
+
+    def task(order: Order, carried: CarriedFiles) -> Finished:
+        if order.draw.number == number and len(os.listdir(folder)) < kills:
+            (folder / str(len(os.listdir(folder)))).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return Finished({"run": order.draw.number, "result": "met" if carried.files else "raised"})
+
+    return task
+
+
+def results(folder: Path, workers: int, allowed: int) -> dict[int, Any]:
+    """Of eight runs on workers of which so many may die of a run."""
+    taken: list[Finished] = []
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": allowed}),
+        cluster.workers_here(workers, folder) as client,
+    ):
+        rounds.carry_out(client, orders(8), CARRIED, taken.append)
+    assert len(taken) == 8, "each is taken once"
+    return {one.row["run"]: one.row for one in taken}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_campaign_goes_on_when_a_worker_dies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int) -> None:
+    (tmp_path / "kills").mkdir()
+    monkeypatch.setattr(rounds, "do", deadly(tmp_path / "kills", 1, kills=1))
+    rows = results(tmp_path / "work", workers, allowed=3)
+    assert [rows[number]["result"] for number in range(8)] == [MET] * 8
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_only_the_run_that_kills_its_workers_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int
+) -> None:
+    (tmp_path / "kills").mkdir()
+    monkeypatch.setattr(rounds, "do", deadly(tmp_path / "kills", 1, kills=1000))
+    rows = results(tmp_path / "work", workers, allowed=0)
+    assert [rows[number]["result"] for number in range(8)] == [MET, LOST, *[MET] * 6]
+    assert rows[1]["reason"].startswith("each of the 1 workers that had it died, the last of them tls://127.0.0.1:")
+
+
+def taken_until_the_end(task: Task, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Finished]:
+    """What is taken of a campaign that does not come to its end, on one worker in this process."""
+    monkeypatch.setattr(rounds, "do", task)
+    taken: list[Finished] = []
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as here,
+        Client(here, set_as_default=False) as client,
+        pytest.raises(CampaignError, match=r"5 runs one after the other were lost, .* No space left.*the same command"),
+    ):
+        rounds.carry_out(client, orders(count), CARRIED, taken.append)
+    return taken
+
+
+def test_it_stops_where_run_after_run_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A full disk makes no thousand rows; runs lost between others are no reason to stop."""
+
+    def full(order: Order, carried: CarriedFiles) -> Finished:
+        if order.draw.number < 16 and order.draw.number % 4 == 0:
+            return Finished({"run": order.draw.number, "result": MET})
+        return Finished(unfinished_row(order.draw, LOST, "No space left on device"))
+
+    taken = taken_until_the_end(full, 1000, monkeypatch)
+    assert 16 <= len(taken) < 30
+    assert [one.row["result"] for one in taken[-5:]] == [LOST] * 5
+
+
+def test_a_worker_without_room_for_the_configuration_loses_its_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(order: Order, carried: CarriedFiles) -> Finished:
+        raise OSError(28, "No space left on device")
+
+    taken = taken_until_the_end(full, 30, monkeypatch)
+    assert [one.row["result"] for one in taken] == [LOST] * 5
