@@ -167,8 +167,14 @@ def test_it_goes_on_from_the_last_checkpoint_of_a_bag_before_a_time(unbroken: Pa
     assert after(read_bag(tmp_path / "run"), BEGUN) == after(read_bag(unbroken), BEGUN)
 
 
-@pytest.mark.parametrize("what", ["steps=[{wait_s: 1.0}]", "faults=[{joint: wheel_rear_left_joint, kind: motor_dead, at: 3.0}]",
-                                  "link={light_time_s: 1.3}"])  # fmt: skip
+@pytest.mark.parametrize(
+    "what",
+    [
+        "steps=[{wait_s: 1.0}]",
+        "faults=[{joint: wheel_rear_left_joint, kind: motor_dead, at: 3.0}]",
+        "link={light_time_s: 1.3}",
+    ],
+)
 def test_without_an_operator_a_branch_has_nothing_that_one_would_carry_out(tmp_path: Path, what: str) -> None:
     """It was taken, and nothing came of it: the run stood, and never ended."""
     scenario = prepare_scenario("flat_drive", ["steps=[{arm_joints: {name: stow}}]"])
