@@ -97,7 +97,7 @@ class LastGoal:
         return last if reason == last.reason else replace(last, reason=reason)
 
     def _after(self, event: GoalEvent) -> "LastGoal":
-        """After what has happened to it, which is told once."""
+        """After what has happened to it, which is told once: to the newest goal its answer, before any end."""
         last = replace(
             self,
             goals_accepted=self.goals_accepted + (event.outcome == "accepted"),
@@ -110,8 +110,6 @@ class LastGoal:
         if event.outcome == "refused":
             return last if last.abandoned else last.refused(event.reason)
         ended = "reached" if event.outcome == "paused" else event.outcome
-        if last.goes_on is not None:
-            last = replace(last, goes_on=last.goes_on._after(event))
         return replace(last, state=ended, reason=event.reason) if last.state == "moving" else last
 
     def told(self, now: int) -> "LastGoal":
