@@ -130,7 +130,9 @@ class ArmApp(FlightApp[ArmAppState]):
             if reason := given_up(MEASUREMENTS, stamp, state.usable_at, inputs, cause):
                 # a stop for when it knows again where it is
                 state = replace(state, goal=state.goal.given_up(reason), pending=StopGoal())
-        state = replace(state, goal=state.goal.told(stamp))
+        told = state.goal.told(stamp)
+        if told is not state.goal:
+            state = replace(state, goal=told)
         return state, Answer(_messages(state, stamp), refusals)
 
     def _see(self, ground: KnownGround, cloud: Any, rover: Rover, refusals: list[Refusal]) -> KnownGround:

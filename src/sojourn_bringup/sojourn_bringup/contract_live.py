@@ -23,6 +23,7 @@ from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES, STANDARD
 from sojourn_contract.types import message_class
+from sojourn_operator.listeners import UNKNOWN_NODE
 
 FOUND_S = 5.0
 """Wall time within which a stack must be found, and its clock must run."""
@@ -32,7 +33,6 @@ SILENT_S = 3.0
 """Wall time without a message after which the run counts as over."""
 DEPTH = 4000
 """Messages of a topic that wait here at most: a lock-step run is fast."""
-UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 ALL = "all"
 
 

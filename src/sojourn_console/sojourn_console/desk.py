@@ -17,10 +17,11 @@ from sojourn_console.model import RunScene
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.values import TwistStamped
 from sojourn_operator.goal_messages import QUESTION, stop_messages
+from sojourn_operator.steps.step import REFUSED
 
 PASSED = 0.6
 """A point of a route counts as passed within so much of it [m]."""
-MOVING, REFUSED = "moving", "refused"
+MOVING = "moving"
 ROLES = ("drive", "arm")
 """That are stopped, in the order of `stop_messages`."""
 STAMP_OF_NONE = "0"

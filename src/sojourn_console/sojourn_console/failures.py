@@ -6,7 +6,8 @@ A page is the process that carries out a sequence. One view that cannot draw wha
 import sys
 import time
 import traceback
-from types import TracebackType
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from sojourn_console.model import RunScene
 from sojourn_console.views.view import SceneView
@@ -27,9 +28,13 @@ class Failures:
         """Of each part that has failed, when it did last, and with what error."""
         self._printed: set[tuple[str, type[BaseException]]] = set()
 
-    def of(self, part: str) -> "Failing":
+    @contextmanager
+    def of(self, part: str) -> Iterator[None]:
         """Within it an error is that of a part of the page, and is kept; the first of each kind is printed."""
-        return Failing(self, part)
+        try:
+            yield
+        except Exception as error:  # the page goes on without the part
+            self.take(part, error)
 
     def take(self, part: str, error: Exception) -> None:
         """Keep an error."""
@@ -43,25 +48,6 @@ class Failures:
         """What fails now, a sentence each."""
         now = time.monotonic()
         return [f"{part} fails: {error}" for part, (at, error) in self._last.items() if now < at + STAYS_S]
-
-
-class Failing:
-    """See `Failures.of`."""
-
-    def __init__(self, failures: Failures, part: str) -> None:
-        self._failures, self._part = failures, part
-
-    def __enter__(self) -> None:
-        """See the class."""
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> bool:
-        """Keeps an error; an end of the process is none."""
-        if isinstance(error, Exception):
-            self._failures.take(self._part, error)
-            return True
-        return False
 
 
 class OutlivedView:

@@ -21,14 +21,14 @@ def foresight_lines(answer: Mapping[str, str]) -> list[str]:
         ("asked_tilt_margin_deg", "least tilt margin", "{:.1f} deg"),
     ):
         if key in answer:
-            lines.append(f"{name + ':':18} {_told(answer[key], form)}")
+            lines.append(f"{name + ':':18} {number_words(answer[key], form)}")
         elif key == "asked_charge_at_end" and "asked_energy_wh" in answer:
             unknown = "not known: the drive has not heard of a battery; whether it lasts is not judged"
             lines.append(f"{name + ':':18} {unknown}")
     if "asked_tilt" in answer:  # beside its margin, the last so far
         lines[-1] += f" ({answer['asked_tilt']})"
     if "asked_seen" in answer:
-        lines.append(f"{'ground seen:':18} {_told(answer['asked_seen'], '{:.0%}')} of the path")
+        lines.append(f"{'ground seen:':18} {number_words(answer['asked_seen'], '{:.0%}')} of the path")
     power = _power(answer.get("power_limit", "1"))
     if state == "allowed" and power:
         lines.append(f"{'power:':18} {power}")
@@ -40,14 +40,14 @@ def _power(told: str) -> str:
     limit = _number(told)
     if limit is not None and limit >= 1.0:
         return ""
-    given = f"the drive is given {_told(told, '{:.0%}')} of it now"
+    given = f"the drive is given {number_words(told, '{:.0%}')} of it now"
     if limit is None:
         return given
     return f"{given}: it goes slower" if limit > 0.0 else f"{given}: it would stand"
 
 
-def _told(text: str, form: str) -> str:
-    """A number in its form; what is none as it came."""
+def number_words(text: str, form: str) -> str:
+    """A finite number of a status in its form; what is none as it came."""
     number = _number(text)
     return text if number is None else form.format(number)
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import viser
 
-from sojourn_console.desk import REFUSED, Sent
+from sojourn_console.desk import Sent
 from sojourn_console.draft import Draft, Kind, Point
 from sojourn_console.errors import GoalError
 from sojourn_console.far_way import FarWay
@@ -28,7 +28,7 @@ from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
 from sojourn_operator.far_goal import closed_places
-from sojourn_operator.steps.step import FINAL_STATES
+from sojourn_operator.steps.step import FINAL_STATES, REFUSED
 from sojourn_physics.terrain.ground_samples import heights_of
 
 KINDS: Mapping[str, Kind] = {DRIVE: "drive", ROUTE: "route", ARM: "arm", TASK: "task"}

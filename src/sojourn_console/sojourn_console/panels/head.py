@@ -1,7 +1,6 @@
 """What is always in sight: how the machine is, and what stops it."""
 
 import html
-import math
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -16,6 +15,7 @@ from sojourn_console.panels.panel import QuietPanel, Workbench, put
 from sojourn_console.panels.sight import BUTTONS_HTML, PAGE_HTML
 from sojourn_console.uplink import Uplink
 from sojourn_contract.heartbeat import RUNNING
+from sojourn_operator.foresight_words import number_words
 
 COLORS = {"moving": "#409cff", "reached": "#30d158", "idle": "#8e8e93", "refused": "#ff453a", "failed": "#ff453a"}
 OTHER = "#ff9f0a"
@@ -153,17 +153,8 @@ def _way(drive: Mapping[str, str]) -> str:
     if drive.get("reason"):
         return drive["reason"]
     if drive.get("state") == "moving" and "distance_to_go" in drive:
-        return f"{_metres(drive['distance_to_go'])} to go"
+        return f"{number_words(drive['distance_to_go'], '{:.2f} m')} to go"
     return ""
-
-
-def _metres(text: str) -> str:
-    """As it came where it is no number."""
-    try:
-        metres = float(text)
-    except ValueError:
-        return text
-    return f"{metres:.2f} m" if math.isfinite(metres) else text
 
 
 def _line(role: str, status: Mapping[str, str], words: str, is_past: bool) -> str:
