@@ -1,6 +1,7 @@
 """The shapes of a machine's links from its URDF, and where they are for given joint angles: by Pinocchio.
 
-Boxes, cylinders, spheres and meshes as Pinocchio reads them; a link without a visual shape is not drawn.
+What joints connect are bodies: the shapes of links that are fixed to each other are parts of one body. They are boxes,
+cylinders, spheres and meshes as Pinocchio reads them; a link without a visual shape is not drawn.
 """
 
 from collections.abc import Mapping
@@ -20,9 +21,16 @@ _ROUND = 28
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One shape: triangles in its own frame, and colour (3,), 0 to 255."""
+    """One shape.
+
+    Args:
+        body: number of the body to which it belongs. place: in its frame, (7,) x, y, z [m] and quaternion w x y z.
+        vertices, faces: its triangles in its own frame. color: 0 to 255.
+    """
 
     name: str
+    body: int
+    place: FloatArray
     vertices: FloatArray
     faces: FloatArray
     color: tuple[int, int, int]
@@ -33,27 +41,27 @@ class MachineShape:
 
     Args:
         urdf: text of its URDF.
+
+    Attributes:
+        bodies: names of the joints that move them; the first is that of what is fixed to base_link.
     """
 
     def __init__(self, urdf: str) -> None:
         self._model = pinocchio.buildModelFromXML(urdf)
         self._data = self._model.createData()
         self._shapes = pinocchio.buildGeomFromUrdfString(self._model, urdf, pinocchio.GeometryType.VISUAL)
-        self._places = self._shapes.createData()
         self._neutral = pinocchio.neutral(self._model)
+        self.bodies = tuple(self._model.names)
         self.parts = tuple(_part(shape) for shape in self._shapes.geometryObjects)
         self._columns = {name: self._model.joints[number] for number, name in enumerate(self._model.names) if number}
 
-    def placements(self, joints: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-        """Where the parts are in base_link: positions (n, 3) [m] and orientations (n, 4) w x y z.
+    def placements(self, joints: Mapping[str, float]) -> FloatArray:
+        """Where the bodies are in base_link: (n, 7) x, y, z [m] and quaternion w x y z.
 
         joints: angles [rad], ways [m]; a joint that is not named stands where it is zero.
         """
         self._place(joints)
-        pinocchio.updateGeometryPlacements(self._model, self._data, self._shapes, self._places)
-        poses = [pinocchio.SE3ToXYZQUAT(place) for place in self._places.oMg]
-        found = np.array(poses).reshape(-1, 7)
-        return found[:, :3], found[:, [6, 3, 4, 5]]
+        return np.array([_row(place) for place in self._data.oMi])
 
     def link(self, name: str, joints: Mapping[str, float]) -> tuple[FloatArray, FloatArray] | None:
         """Where a link's frame is in base_link: position (3,) [m], rotation (3, 3); None without such a link."""
@@ -82,7 +90,13 @@ def _part(shape: Any) -> Part:
     vertices = mesh.vertices * np.array(shape.meshScale)
     color = np.array(shape.meshColor) if shape.meshColor is not None else np.array(_GREY)
     red, green, blue = (round(255.0 * float(np.clip(part, 0.0, 1.0))) for part in color[:3])
-    return Part(shape.name, vertices, mesh.faces, (red, green, blue))
+    return Part(shape.name, shape.parentJoint, _row(shape.placement), vertices, mesh.faces, (red, green, blue))
+
+
+def _row(place: pinocchio.SE3) -> FloatArray:
+    """A placement as x, y, z and quaternion w x y z."""
+    x, y, z, *turn, w = pinocchio.SE3ToXYZQUAT(place)
+    return np.array([x, y, z, w, *turn])
 
 
 def _mesh(shape: Any) -> trimesh.Trimesh:

@@ -11,12 +11,33 @@ from sojourn_console.views.view import wxyz
 from sojourn_console.world import World
 from sojourn_machine.params import FloatArray
 
-LEAST = 1e-4
-"""Change of a place or of a quaternion below which it is not sent again."""
+LEAST_WAY, LEAST_TURN = 5e-4, 1e-4
+"""Change of the place of a body against base_link [m], and of its quaternion, below which it is not sent again: each is
+compared by itself, since a wheel turns all the time and hardly moves, and sending is what a page spends most on.
+"""
+
+
+class SentRows:
+    """One property of many things that are drawn, as it was sent last.
+
+    Args:
+        things: that have it. name: of the property. least: change of a number from which on it is sent. size: of it.
+    """
+
+    def __init__(self, things: list[Any], name: str, least: float, size: int) -> None:
+        self._things, self._name, self._least = things, name, least
+        self._sent: FloatArray = np.full((len(things), size), np.nan)
+
+    def send(self, rows: FloatArray) -> None:
+        """Send of each thing what has changed. rows: (things, size)."""
+        changed = np.flatnonzero(~(np.abs(rows - self._sent).max(axis=1) < self._least))
+        for number in changed.tolist():
+            setattr(self._things[number], self._name, rows[number])
+        self._sent[changed] = rows[changed]
 
 
 class PosedMachine:
-    """The parts of a machine under one frame.
+    """The bodies of a machine under one frame, each with its parts.
 
     Args:
         server: where it is drawn. shape: of the machine. name: of its frame. opacity: None for a solid one.
@@ -25,34 +46,29 @@ class PosedMachine:
     def __init__(self, server: viser.ViserServer, shape: MachineShape, name: str, opacity: float | None) -> None:
         self._shape = shape
         self.frame = server.scene.add_frame(name, show_axes=False, visible=False)
-        self._parts: list[Any] = [
+        bodies = [server.scene.add_frame(f"{name}/{body}", show_axes=False) for body in shape.bodies]
+        for number, part in enumerate(shape.parts):
             server.scene.add_mesh_simple(
-                f"{name}/part_{number}",
+                f"{name}/{shape.bodies[part.body]}/part_{number}",
                 part.vertices,
                 part.faces,
                 color=part.color,
                 flat_shading=True,
                 opacity=opacity,
+                position=part.place[:3],
+                wxyz=part.place[3:],
                 cast_shadow=opacity is None,
                 receive_shadow=opacity is None,
             )
-            for number, part in enumerate(shape.parts)
-        ]
-        self._last = np.full((len(self._parts), 7), np.nan)
-        self._pose: FloatArray = np.full(7, np.nan)
+        self._places = SentRows(bodies, "position", LEAST_WAY, 3)
+        self._turns = SentRows(bodies, "wxyz", LEAST_TURN, 4)
 
     def place(self, pose: BasePose, joints: Any) -> None:
         """Show it in a pose, with joint angles."""
-        where = np.concatenate([pose.position, wxyz(pose.orientation)])
-        if not np.abs(where - self._pose).max() < LEAST:
-            self.frame.position, self.frame.wxyz = where[:3], where[3:]
-            self._pose = where
-        positions, turns = self._shape.placements(joints)
-        placed = np.concatenate([positions, turns], axis=1)
-        moved = np.flatnonzero(~(np.abs(placed - self._last).max(axis=1) < LEAST))
-        for number in moved.tolist():
-            self._parts[number].position, self._parts[number].wxyz = positions[number], turns[number]
-        self._last[moved] = placed[moved]
+        bodies = self._shape.placements(joints)
+        self.frame.position, self.frame.wxyz = pose.position, wxyz(pose.orientation)
+        self._places.send(bodies[:, :3])
+        self._turns.send(bodies[:, 3:])
         self.frame.visible = True
 
 
