@@ -23,6 +23,16 @@ def test_it_runs_beside_a_run_on_its_domain(tmp_path: Path, domain: int, capsys:
     assert len(bag["/drive_command"]) == len(bag["/clock"])
 
 
+def test_a_run_that_nobody_commands_ends_at_its_limit(
+    tmp_path: Path, domain: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = ["--domain", str(domain), "--run-dir", str(tmp_path / "run"), "--set", "steps=[]"]
+    assert start.main(["flat_drive", "--direct", *SHORT, *place]) == 0
+    said = capsys.readouterr().out
+    assert "it ends at its limit of 0.4 s" in said and "Ctrl-C" not in said
+    assert read_bag(tmp_path / "run")["/clock"].times[-1] == pytest.approx(0.4, abs=0.05)
+
+
 def test_the_demo_writes_its_summary_and_picture(tmp_path: Path, domain: int) -> None:
     place = ["--domain", str(domain), "--run-dir", str(tmp_path / "run")]
     with RoleTokens(domain, "", ("plant",)):

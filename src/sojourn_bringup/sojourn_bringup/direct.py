@@ -43,6 +43,7 @@ class DirectRun:
         self._scenario = plan.loaded or load_scenario(plan.scenario, plan.overrides)
         self._steps = len(self._scenario.config.steps)
         self._keeper = keeper_of(plan, self._scenario)
+        self._has_operator = "operator" in plan.participants
 
     def run(self) -> Outcome:
         """Run to the end. Returns how it ended."""
@@ -57,15 +58,14 @@ class DirectRun:
         now = seconds(result.state.now)
         self.stopwatch.look(now, time.monotonic())
         ended = Outcome(SUCCEEDED, "the run ended", sim_time_s=now, wall_time_s=self.stopwatch.wall_s)
-        has_operator = "operator" in self.plan.participants
         if self._folder_gone:
             return replace(ended, status=FAILED, message=self._folder_gone)
         if self._stop.is_set:
-            return replace(ended, status=INTERRUPTED if has_operator else SUCCEEDED, message="interrupted")
+            return replace(ended, status=INTERRUPTED if self._has_operator else SUCCEEDED, message="interrupted")
         if result.completeness is not None and result.completeness.gaps:
             reason = f"recorder failed: the bag {bag} is not complete: {result.completeness.explain()}"
             return replace(ended, status=FAILED, message=reason)
-        return ended.judged(result.steps, self._steps) if has_operator else ended
+        return ended.judged(result.steps, self._steps) if self._has_operator else ended
 
     def _goes_on(self, state: StackState) -> bool:
         """Show the run some times a second, keep checkpoints of it; False ends it."""
@@ -77,7 +77,9 @@ class DirectRun:
             self._shown_at = now
             self._show(state)
             self._folder_gone = self._folder.why_gone()
-        return not (self._stop.is_set or self._folder_gone)
+        # without an operator nobody else looks at the limit, and nobody can end the run over a topic
+        is_over = not self._has_operator and seconds(state.now) >= self._scenario.config.duration_limit_s
+        return not (self._stop.is_set or self._folder_gone or is_over)
 
     def _show(self, state: StackState) -> None:
         self._progress.stamp, self._progress.speed = state.now, self.stopwatch.speed
