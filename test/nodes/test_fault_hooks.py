@@ -14,7 +14,8 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract.app import Period
-from sojourn_contract.fault_messages import TOPIC, FaultEvent, fault_message
+from sojourn_contract.fault_messages import FaultEvent, fault_message
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.values import Odometry
@@ -128,7 +129,9 @@ def imu_readings(app: SensorsApp, begins: dict[int, Any], powers: Sequence[float
         turning = Odometry(stamp, "map", "base_link", np.zeros(3), turned, np.zeros(3), np.zeros(3))
         loads = status_message(stamp, "loads", {f"power {app.params.powered_by['imu']}": str(power)})
         inputs = {**truth.inputs, "/truth/odom": turning, "/truth/joint_states": truth.joints, LOADS: loads}
-        goals = [(TOPIC, fault_message(stamp, FaultEvent("a", begins[number], True)))] if number in begins else []
+        goals = (
+            [(FAULTS_TOPIC, fault_message(stamp, FaultEvent("a", begins[number], True)))] if number in begins else []
+        )
         state, _ = app.step(state, Period(stamp, inputs, goals=goals))
         said.append(state.readings[place].angular_velocity)
     return said

@@ -41,3 +41,12 @@ def test_help_loads_no_heavy_library(script: str) -> None:
     told, _, loaded = done.stdout.rpartition("loaded:")
     assert "usage:" in told
     assert not loaded.split()
+
+
+def test_a_goal_loads_no_mechanics() -> None:
+    """It is sent many times a day: what faults and links of all machines are is for others to know."""
+    heavy = [*HEAVY[:4], "sojourn_physics"]
+    program = "import sys, sojourn_operator.goal_command; print(*(one for one in sys.argv[1:] if one in sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program, *heavy], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert not done.stdout.split()

@@ -18,7 +18,7 @@ from sojourn_contract.description import (
     row_of_data,
 )
 from sojourn_contract.errors import TopicNameError
-from sojourn_contract.fault_messages import TOPIC as FAULTS
+from sojourn_contract.goal_topics import FAULTS_TOPIC as FAULTS
 from sojourn_contract.link_topics import LINK_STATUS, OPERATOR
 from sojourn_contract.run_table import RECORDED_BESIDES, TICK, row_named
 from sojourn_contract.topic_table import TopicTable

@@ -18,7 +18,8 @@ from sojourn_bags.definitions import RUN_RECORD
 from sojourn_bags.extent import sim_time
 from sojourn_bags.onset import HEARTBEATS, faults_before
 from sojourn_bags.reading import Bag
-from sojourn_contract.fault_messages import GONE, TOPIC
+from sojourn_contract.fault_messages import GONE
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.heartbeat import is_count
 from sojourn_machine.fault_choice import ExpectedDetection, FaultChoice
 
@@ -29,7 +30,7 @@ NOT_ASKED = (UNJUDGED, EARLIER, REFUSED)
 GOOD = (DETECTED, *NOT_ASKED)
 BEATS = 3
 """Heartbeats after a fault by which whose it is has said what became of it: where a run is fast, messages come late."""
-REFUSALS = f"refused {TOPIC}"
+REFUSALS = f"refused {FAULTS_TOPIC}"
 FAULT_TEXTS = ("name", "faults", REFUSALS, "last refusal")
 """What is read of a heartbeat."""
 ROUNDING_S = 1e-6
@@ -137,10 +138,10 @@ def _came(bag: Bag) -> dict[str, Coming]:
     """The faults that have come or were refused, by their names."""
     before = faults_before(bag.records.get(RUN_RECORD, {}))
     found = {name: Coming("", *span, is_earlier=True) for name, span in before.items()}
-    if TOPIC not in bag:
+    if FAULTS_TOPIC not in bag:
         return found
     beats = _beats(bag)
-    for time, status in zip(bag[TOPIC].times.tolist(), bag[TOPIC].statuses(), strict=True):
+    for time, status in zip(bag[FAULTS_TOPIC].times.tolist(), bag[FAULTS_TOPIC].statuses(), strict=True):
         name = status.get("name", "")
         known = found.get(name, NEVER)
         if status.get("state") == GONE:

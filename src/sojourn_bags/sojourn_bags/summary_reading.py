@@ -12,7 +12,7 @@ from sojourn_bags.onset import HEARTBEATS
 from sojourn_bags.power_modes import STATUS as POWER_STATUS
 from sojourn_bags.reading import Bag, read_bag, read_beginning
 from sojourn_bags.summary import is_of_store
-from sojourn_contract.fault_messages import TOPIC as FAULTS
+from sojourn_contract.goal_topics import FAULTS_TOPIC as FAULTS
 
 PLANS = 60
 """Of a record that begins within a drive, those among which is the first with a place."""

@@ -12,7 +12,8 @@ from sojourn_console.feed import Feed, FeedMessage
 from sojourn_contract.codecs import decode
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import status_values
-from sojourn_contract.link_topics import CANCEL, COMMANDS, EARTH, LINK_STATUS, telemetry
+from sojourn_contract.link_topics import CANCEL, COMMANDS, EARTH, LINK_STATUS
+from sojourn_contract.linked_table import telemetry
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.values import DiagnosticArray, Header, Message
 from sojourn_operator.goal_messages import QUESTION

@@ -4,13 +4,13 @@ import json
 from typing import NamedTuple
 
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.values import DiagnosticArray
 from sojourn_machine.errors import InvalidValueError, UnknownNameError
 from sojourn_machine.fault_choice import FaultChoice, read_fault_words
 from sojourn_machine.names import names_text
 
-TOPIC = "/faults"
 PRESENT, GONE = "present", "gone"
 
 
@@ -37,19 +37,19 @@ def read_fault(message: DiagnosticArray) -> FaultEvent:
         RefusedMessageError: it names no fault that there is, or has words that its kind does not take.
     """
     if len(message.status) != 1:
-        raise RefusedMessageError(TOPIC, "status", f"{len(message.status)} faults", "one a message")
+        raise RefusedMessageError(FAULTS_TOPIC, "status", f"{len(message.status)} faults", "one a message")
     status = message.status[0]
     words = dict(status.values)
     state, kind = words.pop("state", PRESENT), words.get("kind", "")
     if state not in (PRESENT, GONE):
-        raise RefusedMessageError(TOPIC, "state", state, f"{PRESENT} or {GONE}")
+        raise RefusedMessageError(FAULTS_TOPIC, "state", state, f"{PRESENT} or {GONE}")
     try:
         fault = read_fault_words({key: _value(text) for key, text in words.items()})
     except InvalidValueError as error:
-        raise RefusedMessageError(TOPIC, error.name, error.value, error.allowed) from None
+        raise RefusedMessageError(FAULTS_TOPIC, error.name, error.value, error.allowed) from None
     except UnknownNameError as error:
         allowed = names_text(kind, error.valid).removeprefix("allowed is ")
-        raise RefusedMessageError(TOPIC, "kind", kind, allowed) from None
+        raise RefusedMessageError(FAULTS_TOPIC, "kind", kind, allowed) from None
     return FaultEvent(status.name or fault.called, fault, state == PRESENT)
 
 

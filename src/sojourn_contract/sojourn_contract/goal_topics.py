@@ -5,6 +5,7 @@ from dataclasses import replace
 from sojourn_contract.field_rules import ANGLE, GOAL, GOAL_FRAMES, PLACE, TEXTS
 from sojourn_contract.topic_types import FieldRule, Topic
 
+FAULTS_TOPIC = "/faults"
 REFUSAL_TOLD_NS = 2_000_000_000
 """So long drive and arm tell that a goal was refused before they tell again of the one that goes on [ns]: two
 statuses."""
@@ -165,7 +166,7 @@ GOAL_TOPICS: tuple[Topic, ...] = (
         (TEXTS,),
     ),
     Topic(
-        "/faults",
+        FAULTS_TOPIC,
         "diagnostic_msgs/DiagnosticArray",
         "operator",
         ("plant", "sensors"),

@@ -18,7 +18,8 @@ from sojourn_contract.delivery import Delivery, Loss
 from sojourn_contract.disturbances import check_disturbances
 from sojourn_contract.errors import LeapError, SensorRowError
 from sojourn_contract.leaps import landing_grid
-from sojourn_contract.link_topics import CANCEL, EARTH, LINK_STATUS, linked, on_earth
+from sojourn_contract.link_topics import CANCEL, EARTH, LINK_STATUS, on_earth
+from sojourn_contract.linked_table import linked
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S, NANOSECONDS
 from sojourn_contract.stereo_pair import heard_by_drive
 from sojourn_contract.topic_table import TopicTable, of_thing

@@ -11,8 +11,7 @@ from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
 from sojourn_contract.app import NOTHING, Answer, App, Period
 from sojourn_contract.events import format_tick
-from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
-from sojourn_contract.goal_topics import GOAL_TOPICS
+from sojourn_contract.goal_topics import FAULTS_TOPIC, GOAL_TOPICS
 from sojourn_contract.heartbeat import beats, status_values
 from sojourn_contract.link_topics import LINK_STATUS
 from sojourn_contract.topics import topic

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Mapping
 
 from sojourn_config.command_errors import UsageError
 from sojourn_contract.errors import ContractError
-from sojourn_contract.fault_messages import TOPIC, FaultEvent, fault_message, read_fault
+from sojourn_contract.fault_messages import FaultEvent, fault_message, read_fault
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.heartbeat import Heartbeat, status_message
 from sojourn_contract.values import DiagnosticArray
 from sojourn_machine.fault_choice import FaultChoice
@@ -25,7 +26,7 @@ def fault_event(given: argparse.Namespace, words: Iterable[tuple[str, str]]) -> 
     except ContractError as error:
         if told["kind"] in FAULTS.names():
             _refuse(told)
-        raise UsageError(str(error).removeprefix(f"{TOPIC}.")) from None
+        raise UsageError(str(error).removeprefix(f"{FAULTS_TOPIC}.")) from None
     if event.fault.in_scenario_alone:
         raise UsageError("allowed in a scenario alone, where whoever waits for messages that are lost or late knows it")
     if foreign := [key for key in all_words if key in SCENARIO_WORDS]:
@@ -58,8 +59,8 @@ def answer_of(
     if beat is None:
         return None
     old = before.get(beat.role)
-    refused = 0 if old is None else old.refused.get(TOPIC, 0)
-    if beat.refused.get(TOPIC, 0) > refused:
+    refused = 0 if old is None else old.refused.get(FAULTS_TOPIC, 0)
+    if beat.refused.get(FAULTS_TOPIC, 0) > refused:
         return REFUSED, beat.values.get("last refusal", "")
     if _is_there(event, beat) != event.comes or beat is old:
         return None

@@ -8,8 +8,7 @@ from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.role_holder import held_roles
 from sojourn_contract.codecs import encode
-from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
-from sojourn_contract.fault_messages import FaultEvent
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.heartbeat import Heartbeat, read_heartbeats, status_values
 from sojourn_contract.link_topics import CANCEL, COMMANDS, on_earth
 from sojourn_contract.stamps import NANOSECONDS, seconds
@@ -20,7 +19,6 @@ from sojourn_contract.values import Clock, DiagnosticArray, Header, Message
 from sojourn_operator.actions.watch import SILENT, GoalWatch
 from sojourn_operator.clock_watch import ClockWatch
 from sojourn_operator.desk import Desk
-from sojourn_operator.fault_sending import answer_of
 from sojourn_operator.goal_messages import (
     QUESTION,
     place_report_of,
@@ -338,15 +336,15 @@ class GoalClient(Desk):
         while role not in self.beats and time.monotonic() < end and not self.stop.is_set:
             self.spin(0.05)
 
-    def watch(self, event: FaultEvent, before: Mapping[str, Heartbeat], timeout_s: float) -> tuple[str, str]:
-        """What becomes of the fault just sent. before: heartbeats from before that."""
+    def watch(self, role: str, answer: Callable[[], tuple[str, str] | None], timeout_s: float) -> tuple[str, str]:
+        """What a role makes of what was just sent, and why. answer: None as long as that is not known."""
         for gone in self._looks(timeout_s):
             if gone:
                 return NOT_KNOWN, gone
-            answer = answer_of(event, before, self.beats)
-            if answer is not None:
-                return answer
-        return NOT_KNOWN, f"{event.fault.role} has not said so within {timeout_s:g} s of wall time"
+            told = answer()
+            if told is not None:
+                return told
+        return NOT_KNOWN, f"{role} has not said so within {timeout_s:g} s of wall time"
 
     def _hear(self, message: DiagnosticArray) -> None:
         self._start.hear(message)

@@ -9,7 +9,8 @@ from sojourn_config.paths import available, resolve
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_config.yaml_file import KeyPath
 from sojourn_contract.errors import LinkError, UnfitRunError
-from sojourn_contract.link_topics import PLACE, telemetry
+from sojourn_contract.link_topics import PLACE
+from sojourn_contract.linked_table import telemetry
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_table import TopicTable
 from sojourn_machine.names import names_text

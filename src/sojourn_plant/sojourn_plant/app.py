@@ -11,7 +11,7 @@ from sojourn_contract import stamps
 from sojourn_contract.app import Answer, App, Period
 from sojourn_contract.barrier import is_due
 from sojourn_contract.events import parse_tick
-from sojourn_contract.fault_messages import TOPIC as FAULTS_TOPIC
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.ground import GROUND, ground_cloud
 from sojourn_contract.motors import MOTORS
 from sojourn_contract.run_table import table_of

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.fault_messages import TOPIC, read_fault
+from sojourn_contract.fault_messages import read_fault
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_machine.errors import MachineError
 from sojourn_machine.fault_choice import FaultableMachine
 from sojourn_physics.faults.acting import Acting, FaultyPlant, without
@@ -32,7 +33,7 @@ class PlantFaults:
     def after(self, acting: Acting, goals: Sequence[tuple[str, Any]], machine: Any) -> Acting:
         """Those that act from here on. machine: state of the plant now."""
         for name, message in goals:
-            if name != TOPIC:
+            if name != FAULTS_TOPIC:
                 continue
             event = read_fault(message)
             if not event.comes:
@@ -50,6 +51,6 @@ def check_fits(fault: PlantFault, machine: FaultableMachine) -> None:
     """Raise RefusedMessageError for a fault that a machine cannot have."""
     try:
         for key, value, allowed in fault.problems(machine):
-            raise RefusedMessageError(TOPIC, key, str(value), allowed.rpartition("allowed is ")[2])
+            raise RefusedMessageError(FAULTS_TOPIC, key, str(value), allowed.rpartition("allowed is ")[2])
     except MachineError as error:
-        raise RefusedMessageError(TOPIC, fault.kind, fault.called, str(error)) from None
+        raise RefusedMessageError(FAULTS_TOPIC, fault.kind, fault.called, str(error)) from None

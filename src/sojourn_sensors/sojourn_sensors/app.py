@@ -11,7 +11,7 @@ from sojourn_contract import stamps
 from sojourn_contract.app import NOTHING, Answer, App, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.fault_messages import TOPIC
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.messages import battery_state, wrench_stamped
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_types import Topic
@@ -85,7 +85,7 @@ class SensorsApp(App[SensorsState]):
 
     def check(self, row: Topic, message: Any) -> None:
         """Refuse faults that no sensor can have."""
-        if row.name == TOPIC:
+        if row.name == FAULTS_TOPIC:
             self._faults.check(message)
 
     def heartbeat_values(self, state: SensorsState, stamp: int) -> dict[str, str]:

@@ -6,7 +6,8 @@ from typing import Any
 from sojourn_config.errors import ConfigError
 from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.fault_messages import TOPIC, read_fault
+from sojourn_contract.fault_messages import read_fault
+from sojourn_contract.goal_topics import FAULTS_TOPIC
 from sojourn_contract.unfinished_image import finished
 from sojourn_machine.evolution import replace
 from sojourn_machine.names import names_text
@@ -52,11 +53,11 @@ class SensorFaults:
             return
         if fault.sensor not in self._sensors:
             allowed = names_text(fault.sensor, self._sensors).removeprefix("allowed is ")
-            raise RefusedMessageError(TOPIC, "sensor", fault.sensor, allowed)
+            raise RefusedMessageError(FAULTS_TOPIC, "sensor", fault.sensor, allowed)
         try:
             self._check(fault.sensor, {event.name: fault})
         except ConfigError as error:
-            raise RefusedMessageError(TOPIC, fault.sensor, event.name, str(error)) from None
+            raise RefusedMessageError(FAULTS_TOPIC, fault.sensor, event.name, str(error)) from None
 
     def after(self, faulty: Faulty, goals: Sequence[tuple[str, Any]], stamp: int, said: Mapping[str, Any]) -> Faulty:
         """Those from a stamp on [ns]. What loses messages is not theirs: it is in the run's table of topics.
@@ -65,7 +66,7 @@ class SensorFaults:
             said: last reading of each sensor that has power, by its name: what one repeats that gets stuck now.
         """
         for topic, message in goals:
-            if topic != TOPIC:
+            if topic != FAULTS_TOPIC:
                 continue
             event = read_fault(message)
             fault = event.fault

@@ -12,7 +12,8 @@ from typing import Any
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.app import Period
-from sojourn_contract.link_topics import CANCEL, EARTH, PLACE, telemetry
+from sojourn_contract.link_topics import CANCEL, EARTH, PLACE
+from sojourn_contract.linked_table import telemetry
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS, seconds
 from sojourn_contract.values import DiagnosticArray, Message, Odometry
