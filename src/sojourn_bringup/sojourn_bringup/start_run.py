@@ -182,7 +182,9 @@ def _participants(given: argparse.Namespace, scenario: LoadedScenario, screen: S
         needed = needed_roles(scenario)
         lacking = [role for role in needed if role in without]
         if not scenario.config.steps and scenario.link is None and not scenario.config.faults:
-            alone = f"in one process nobody is heard, it ends at its limit of {scenario.config.duration_limit_s:g} s"
+            alone = (
+                f"without middleware nobody is heard, it ends at its limit of {scenario.config.duration_limit_s:g} s"
+            )
             goals = alone if layout_of(given) == "direct" else "send goals with scripts/goal, end with Ctrl-C"
             screen.say(f"the scenario has no steps: {goals}")
             without.add("operator")
