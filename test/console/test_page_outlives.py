@@ -11,11 +11,12 @@ from sojourn_bags.reading import read_bag
 from sojourn_console.failures import STAYS_S
 from sojourn_console.feed import FeedMessage
 from sojourn_console.gate import GuardedServer
+from sojourn_console.machine_shape import MachineShape
 from sojourn_console.model import RunScene, after
 from sojourn_console.page import Page
 from sojourn_console.panels.head import HeadPanel
 from sojourn_console.panels.scene_panel import ScenePanel
-from sojourn_console.views.sensor_views import pixels
+from sojourn_console.views.sensor_views import LINK_TO_OPTICAL, CameraView, pixels, quaternion
 from sojourn_console.views.way_view import UncertaintyView
 from sojourn_console.world import World, world_of_bag
 from sojourn_contract.codecs import encode
@@ -43,6 +44,23 @@ def told(page: Page) -> ToldFeed:
     feed = page.bench.feed
     assert isinstance(feed, ToldFeed)
     return feed
+
+
+def test_a_camera_that_turns_about_its_own_place_is_drawn_as_it_looks(
+    seeing: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was drawn as it had looked before: its turn was sent with a new place alone."""
+    server = GuardedServer("looks", 9060)
+    try:
+        view = CameraView(server, seeing)
+        for turn in (np.eye(3), np.diag([-1.0, -1.0, 1.0])):
+            monkeypatch.setattr(MachineShape, "link", lambda *_, turn=turn: (np.ones(3), turn))
+            view.show(RunScene())
+            for frustum in view.frustums.values():
+                assert np.allclose(frustum.wxyz, quaternion(turn @ LINK_TO_OPTICAL), atol=1e-4)
+        assert view.frustums
+    finally:
+        server.stop()
 
 
 def image(encoding: str, width: int, step: int, data: bytes, is_bigendian: int = 0) -> Image:

@@ -14,7 +14,7 @@ from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.fault_messages import FaultEvent, fault_message, read_fault
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.stamps import NANOSECONDS
-from sojourn_contract.topics import ROLES, STANDARD, topic
+from sojourn_contract.topics import ROLES, topic
 from sojourn_contract.values import Odometry
 from sojourn_machine.fault_choice import read_fault_words
 from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, SeenRun
@@ -112,13 +112,27 @@ def test_the_distance_counts_from_the_start_of_the_run_in_a_branch_too() -> None
     assert second == 16
 
 
-def test_a_fault_that_was_sent_by_hand_is_told_of_in_what_goes_on(stack: Stack) -> None:
+BY_HAND = {
+    "plant": {"kind": "motor_weak", "joint": WHEEL, "part": "0.5"},
+    "sensors": {"kind": "sensor", "sensor": "imu", "stuck": "true"},
+}
+
+
+@pytest.mark.parametrize(("role", "begin"), [("plant", 0.0), ("sensors", 0.06)])
+@pytest.mark.parametrize(
+    "words",
+    ["", "{kind: message_lost, topic: /drive_command, at: 9.0}, {kind: node_restarted, node: sensors, at: 9.0}"],
+)
+def test_a_fault_that_was_sent_by_hand_is_told_of_in_what_goes_on(role: str, begin: float, words: str) -> None:
     """It acted on, and stood neither in the verdict nor in the report."""
+    in_table = "sensors.imu.faults={worn: {bias: 0.001, of: angular_velocity}}"
+    scenario = load_scenario("flat_drive", [f"faults=[{words}]", in_table])
+    stack = Stack(make_apps(scenario, PARTICIPANTS), PARTICIPANTS)
     state, _ = stepped(stack, stack.begin()[0], 2)
-    fault = read_fault_words({"kind": "motor_weak", "joint": WHEEL, "part": "0.5"})
-    state = stack.hearing(state, "plant", [(topic("/faults"), fault_message(0, FaultEvent("by hand", fault, True)))])
+    fault = read_fault_words(BY_HAND[role])
+    state = stack.hearing(state, role, [(topic("/faults"), fault_message(0, FaultEvent("by hand", fault, True)))])
     state, _ = stepped(stack, state, 5)
-    assert onset_of(state, STANDARD).faults["by hand"] == (0.0, None)
+    assert onset_of(state, scenario).faults == {"by hand": (begin, None)}
 
 
 def test_a_fault_whose_end_is_past_when_its_event_comes_never_comes() -> None:

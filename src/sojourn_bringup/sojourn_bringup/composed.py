@@ -92,7 +92,7 @@ class ComposedRun:
         begin = self.plan.begin
         if begin is None or role != RECORDER:
             return {}
-        return {"beginning": beginning(begin, self.nodes["plant"].table)}
+        return {"beginning": beginning(begin, self.nodes["plant"].scenario)}
 
     def _neighbours(self, nodes: Sequence[ContractNode]) -> Neighbours:
         """What they say to each other, overheard where checkpoints are to be kept."""

@@ -67,7 +67,7 @@ class ProcessCheckpoints:
             self._filed = monitor.sender(FILED, quality(FILED))
             monitor.listen(STATE, self._hear, quality(STATE))
         if self._plan.begin is not None:
-            self._plan.beginning_file.write_bytes(packed(beginning(self._plan.begin, self._table), "beginning"))
+            self._plan.beginning_file.write_bytes(packed(beginning(self._plan.begin, self._loaded), "beginning"))
             self._sender = monitor.sender(STATE, quality(STATE))
 
     def look(self) -> None:

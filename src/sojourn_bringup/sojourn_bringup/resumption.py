@@ -10,7 +10,9 @@ from typing import Any
 
 from sojourn_bags.onset import RecordBeginning
 from sojourn_bags.recording import RECORDER
+from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.role_state import RoleAtCheckpoint
+from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_table import TopicTable
 from sojourn_stack.errors import MisfitError
 from sojourn_stack.recorder import onset_of
@@ -47,7 +49,7 @@ def handed_back(role: str, state: StackState, table: TopicTable) -> RoleAtCheckp
     return RoleAtCheckpoint(state.roles[role], state.period, messages, ahead, state.leaps)
 
 
-def beginning(state: StackState, table: TopicTable) -> RecordBeginning:
+def beginning(state: StackState, scenario: LoadedScenario) -> RecordBeginning:
     """Of a record that begins where a run stands."""
-    plants = {row.name for row in table if row.publisher == "plant"}
-    return RecordBeginning(onset_of(state, table), tuple(one for one in state.ahead if one[0] not in plants))
+    plants = {row.name for row in table_of(scenario) if row.publisher == "plant"}
+    return RecordBeginning(onset_of(state, scenario), tuple(one for one in state.ahead if one[0] not in plants))

@@ -56,6 +56,11 @@ class DisturbedState(Generic[State]):
     """How many are over."""
 
 
+def undisturbed(state: Any) -> Any:
+    """Of an app's state, which may be among disturbances, what is the app's own."""
+    return state.app if isinstance(state, DisturbedState) else state
+
+
 def disturbed(app: App[Any], table: TopicTable, disturbances: Sequence[Disturbance]) -> App[Any]:
     """An app among the disturbances of its run; itself where none concerns it."""
     if not disturbances:

@@ -8,10 +8,12 @@ from sojourn_bags.completeness import Completeness
 from sojourn_bags.onset import HEARTBEATS, TICK, TICK_PERIODS, Onset, Span, counted_by
 from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.recording import RECORDER
+from sojourn_config.scenario import LoadedScenario
 from sojourn_contract.codecs import encode
+from sojourn_contract.disturbed_app import undisturbed
 from sojourn_contract.heartbeat import RUNNING, beats, heartbeat_message
+from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import seconds
-from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_contract.unfinished_image import UnfinishedImage
@@ -19,7 +21,7 @@ from sojourn_contract.values import Message
 from sojourn_stack.stack import StackState
 
 
-def onset_of(state: StackState, table: TopicTable) -> Onset:
+def onset_of(state: StackState, scenario: LoadedScenario) -> Onset:
     """Of a record that begins where a run stands."""
     before: dict[str, int] = {}
     ahead = [name for name, _ in state.ahead]
@@ -27,23 +29,28 @@ def onset_of(state: StackState, table: TopicTable) -> Onset:
     for published in (own, *(one.published for one in state.roles.values())):
         for name, count in published.items():
             before[name] = before.get(name, 0) + count
-    counts = {row.name: before.get(row.name, 0) - ahead.count(row.name) for row in table}
-    return Onset(state.period, counts, state.leaps, _faults_before(state))
+    counts = {row.name: before.get(row.name, 0) - ahead.count(row.name) for row in table_of(scenario)}
+    return Onset(state.period, counts, state.leaps, _faults_before(state, scenario))
 
 
-def _faults_before(state: StackState) -> dict[str, Span]:
-    """Faults that have come by then, with when they came and went: those of the schedule, and those of the plant that
-    somebody has sent besides, of which it is known alone that they are there.
+def _faults_before(state: StackState, scenario: LoadedScenario) -> dict[str, Span]:
+    """Faults that have come by then, with when they came and went: those of the schedule, and those that somebody has
+    sent besides and that are still there; of one of the plant it is not known since when.
     """
-    operator, plant = state.roles.get("operator"), state.roles.get("plant")
-    found = dict[str, Span]()
+    operator, plant, sensors = (state.roles.get(role) for role in ("operator", "plant", "sensors"))
+    found, sent = dict[str, Span](), dict[str, Span]()
     if operator is not None:
         begun, over = operator.app.faults.begun, operator.app.faults.over
         gone = {name: seconds(stamp) for name, stamp in over.items() if stamp <= state.now}
         found = {name: (seconds(stamp), gone.get(name)) for name, stamp in begun.items() if stamp <= state.now}
+    # a role that is not ours keeps its state to itself
     if plant is not None:
-        found |= {one.name: (0.0, None) for one in getattr(plant.app, "faults", ()) if one.name not in found}
-    return found
+        sent = {one.name: (0.0, None) for one in getattr(undisturbed(plant.app), "faults", ())}
+    if sensors is not None:
+        tables = {name for sensor in scenario.sensors.sensors.values() for name in sensor.faults}
+        faulty = getattr(undisturbed(sensors.app), "faulty", {}).values()
+        sent |= {name: (fault.after, None) for one in faulty for name, fault in one.faults if name not in tables}
+    return sent | found
 
 
 class DirectRecorder:

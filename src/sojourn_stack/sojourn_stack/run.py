@@ -72,7 +72,7 @@ def begun(spec: RunSpec) -> BegunRun:
     state, said = stack.begin() if spec.begin is None else (spec.begin, stack.resume(spec.begin))
     if spec.bag is None:
         return BegunRun(stack, state, said, None)
-    onset = WHOLE if spec.begin is None else onset_of(state, table)
+    onset = WHOLE if spec.begin is None else onset_of(state, scenario)
     recorded = RecordedRun(spec.scenario, spec.overrides, spec.participants, loaded=scenario, onset=onset)
     return BegunRun(stack, state, said, DirectRecorder(spec.bag, recorded))
 

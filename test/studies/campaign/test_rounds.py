@@ -70,6 +70,22 @@ def test_only_the_run_that_kills_its_workers_is_lost(
     assert rows[1]["reason"].startswith("each of the 1 workers that had it died, the last of them tls://127.0.0.1:")
 
 
+def test_it_stops_where_no_worker_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It waited without end for one that could not be started again."""
+    monkeypatch.setattr(rounds, "do", deadly(tmp_path, 1, kills=0))
+    monkeypatch.setitem(cluster._QUIET, "distributed.scheduler.no-workers-timeout", "1s")
+    taken: list[Finished] = []
+    with cluster.workers_here(1, tmp_path / "work") as client:
+
+        def take(finished: Finished) -> None:
+            taken.append(finished)
+            client.cluster.scale(0)
+
+        with pytest.raises(CampaignError, match=r"for 1 s there was no worker; .*the same command"):
+            rounds.carry_out(client, orders(100), CARRIED, take)
+    assert 1 <= len(taken) < 100
+
+
 def taken_until_the_end(task: Task, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Finished]:
     """What is taken of a campaign that does not come to its end, on one worker in this process."""
     monkeypatch.setattr(rounds, "do", task)

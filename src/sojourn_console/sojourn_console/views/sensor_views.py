@@ -17,6 +17,8 @@ LINK_TO_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
 """Columns: axes of the optical frame (x right, y down, z ahead; REP 103) in a camera's link (x ahead, z up)."""
 FRUSTUM = 0.35
 """Length of a drawn frustum [m]."""
+DECIMALS = 4
+"""Of where a frustum is [m], and of its quaternion: less is not seen."""
 WIDEST = 512
 """Columns of an image in the scene at most."""
 
@@ -67,7 +69,7 @@ class CameraView:
     def __init__(self, server: viser.ViserServer, world: World) -> None:
         self._server, self._world = server, world
         self._shape = MachineShape(world.scenario.urdf_xml)
-        self._frustums: dict[str, Any] = {}
+        self.frustums: dict[str, Any] = {}
         self._images: dict[str, Image] = {}
 
     def show(self, scene: RunScene) -> None:
@@ -77,8 +79,8 @@ class CameraView:
                 continue
             position, turn = place
             image = scene.images.get(camera.topic)
-            if camera.name not in self._frustums:
-                self._frustums[camera.name] = self._server.scene.add_camera_frustum(
+            if camera.name not in self.frustums:
+                self.frustums[camera.name] = self._server.scene.add_camera_frustum(
                     f"/machine/camera_{camera.name}",
                     fov=camera.view,
                     aspect=camera.aspect,
@@ -87,18 +89,17 @@ class CameraView:
                     thickness=0.006,
                     cast_shadow=False,
                 )
-            frustum = self._frustums[camera.name]
-            at = tuple(round(float(one), 5) for one in position)
-            if tuple(round(float(one), 5) for one in frustum.position) != at:
-                frustum.position = position
-                frustum.wxyz = quaternion(turn @ LINK_TO_OPTICAL)
+            frustum = self.frustums[camera.name]
+            # rounded: what is as it was is not sent
+            frustum.position = np.round(position, DECIMALS)
+            frustum.wxyz = np.round(quaternion(turn @ LINK_TO_OPTICAL), DECIMALS)
             frustum.visible = True
             if image is not None and image is not self._images.get(camera.name) and image.width and image.height:
                 self._images[camera.name] = image
                 frustum.image = pixels(image)
 
     def hide(self) -> None:
-        for frustum in self._frustums.values():
+        for frustum in self.frustums.values():
             frustum.visible = False
 
 

@@ -28,6 +28,7 @@ _QUIET = {
     "distributed.admin.large-graph-warning-threshold": "1GB",
     "distributed.worker.profile.enabled": False,
     "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.scheduler.no-workers-timeout": "2 minutes",
     "distributed.scheduler.work-stealing": False,
     "distributed.scheduler.active-memory-manager.start": False,
     "distributed.admin.tick.interval": "1s",
@@ -37,7 +38,7 @@ _QUIET = {
 }
 """A task of ours keeps its worker's process busy for long. Dask's look-outs are for short ones: on their defaults they
 take 6 % of a processor and warn of each run; so they take 1 %. They warn of files of 10 MB, too: an elevation model
-has as many."""
+has as many. And it would wait without end where no worker is left that can be started again."""
 
 
 def cores() -> int:

@@ -10,6 +10,7 @@ from itertools import islice
 from typing import Any, NamedTuple, NoReturn
 
 from distributed import Client, Future, KilledWorker, as_completed
+from distributed.scheduler import NoWorkerError
 
 from sojourn_studies.campaign.carried import CarriedFiles
 from sojourn_studies.campaign.cluster import threads
@@ -22,6 +23,7 @@ AHEAD = 2
 LOST_IN_A_ROW = 5
 """Runs lost one after the other, for each that the workers take at once, after which the campaign stops: a disk that is
 full for one run is full for the next, and a thousand rows that say so are no use."""
+GOES_ON = "what is done is kept: with that mended the same command goes on with the rest"
 
 
 class _Ended(NamedTuple):
@@ -48,7 +50,7 @@ def carry_out(client: Client, orders: Iterable[Order], carried: CarriedFiles, ta
     """Do all runs; each is taken once, as it ends, in any order.
 
     Raises:
-        CampaignError: the scheduler is gone, or run after run is lost.
+        CampaignError: the scheduler or all its workers are gone, or run after run is lost.
     """
     # not scattered: what is scattered is gone with the last worker that has it, what is computed is computed anew
     here = client.submit(_as_it_is, carried, key="carried", pure=False)
@@ -75,8 +77,7 @@ def _stop(last: _Ended, held: Iterable[_Ended], take: Callable[[Finished], None]
     for one in held:  # with their rows they come after the others the next time
         take(one.finished)
     raise CampaignError(
-        f"{count} runs one after the other were lost, the last one because {last.finished.row['reason']}; what is done "
-        "is kept: with that mended the same command goes on with the rest"
+        f"{count} runs one after the other were lost, the last one because {last.finished.row['reason']}; {GOES_ON}"
     )
 
 
@@ -109,8 +110,10 @@ def _outcome(future: Future, order: Order) -> _Ended:
     if future.status == "finished":
         return _Ended(order, future.result(), killed=False)
     if future.status == "cancelled":
-        raise CampaignError("the scheduler is gone; what is done is kept: the same command goes on with the rest")
+        raise CampaignError(f"the scheduler is gone; {GOES_ON}")
     error = future.exception()
+    if isinstance(error, NoWorkerError):
+        raise CampaignError(f"for {error.timeout:.0f} s there was no worker; {GOES_ON}")
     killed = isinstance(error, KilledWorker)
     if killed:
         last = error.last_worker.address
