@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterable
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
-from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.collector import settle_collector
 from sojourn_contract.neighbours import Neighbours
 from sojourn_contract.node import ContractNode
+from sojourn_contract.prompt_executor import PromptExecutor
 from sojourn_contract.stop_flag import StopFlag
 
 TEARDOWN_S = 4.5
@@ -46,7 +46,7 @@ def spin(
     so the recorder goes last.
     """
     nodes = list(nodes)
-    executor = EventsExecutor()
+    executor = PromptExecutor()
     for node in nodes:
         executor.add_node(node)
     settle_collector()
@@ -74,7 +74,7 @@ def spin(
     return max(node.exit_status for node in nodes)
 
 
-def _turn(executor: EventsExecutor, nodes: list[ContractNode], neighbours: Neighbours | None) -> None:
+def _turn(executor: PromptExecutor, nodes: list[ContractNode], neighbours: Neighbours | None) -> None:
     """Let the nodes hear each other for a while, and then what the middleware brings."""
     until = time.monotonic() + POLL_S
     if neighbours is None or not neighbours.hear(lambda: time.monotonic() >= until):

@@ -1,0 +1,98 @@
+"""An executor with more to do than it can: what it has not got to does not hold up what comes."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from domains import domain_to_keep
+from sojourn_contract.prompt_executor import PromptExecutor
+
+ROUNDS = 300
+
+
+class Flooded:
+    """A node that hears two messages more for each that it takes, and a word on another topic after some."""
+
+    def __init__(self, context: Context) -> None:
+        self.node = Node("flooded", context=context, start_parameter_services=False)
+        self.flood = self.node.create_publisher(String, "flood", 10)
+        self.word = self.node.create_publisher(String, "word", 10)
+        self.node.create_subscription(String, "flood", self._take, 10)
+        self.node.create_subscription(String, "word", self._hear, 10)
+        self.taken = 0
+        self.words: list[str] = []
+
+    def _take(self, _: Any) -> None:
+        self.taken += 1
+        if self.taken < ROUNDS:
+            for _ in range(2):
+                self.flood.publish(String(data="more"))
+        if self.taken == ROUNDS // 2:
+            self.word.publish(String(data="a word"))
+
+    def _hear(self, message: String) -> None:
+        self.words.append(message.data)
+
+
+@pytest.fixture
+def context() -> Iterator[Context]:
+    found = Context()
+    rclpy.init(args=[], context=found, domain_id=domain_to_keep())
+    yield found
+    rclpy.shutdown(context=found)
+
+
+def events_until_heard(context: Context, most_delay_s: float) -> tuple[int, Flooded]:
+    """Turns of the executor from when the word is said until it is heard."""
+    flooded, executor = Flooded(context), PromptExecutor(context, most_delay_s)
+    executor.add_node(flooded.node)
+    try:
+        for _ in range(200):  # until both ends have met
+            executor.spin_once(timeout_sec=0.01)
+        flooded.flood.publish(String(data="the first"))
+        turns = 0
+        for _ in range(20 * ROUNDS):
+            executor.spin_once(timeout_sec=0.1)
+            turns += flooded.taken >= ROUNDS // 2 and not flooded.words
+            if flooded.words:
+                break
+        assert flooded.words == ["a word"]
+        return turns, flooded
+    finally:
+        executor.remove_node(flooded.node)
+        executor.shutdown()
+        flooded.node.destroy_node()
+
+
+def test_what_comes_is_heard_though_much_was_before_it(context: Context) -> None:
+    """It was heard after all of that, however old, for which the ROS library keeps an event each."""
+    late, _ = events_until_heard(context, most_delay_s=1e9)
+    soon, _ = events_until_heard(context, most_delay_s=0.0)
+    assert soon < 10 < ROUNDS // 4 < late
+
+
+def test_nothing_is_lost_that_the_histories_hold(context: Context) -> None:
+    """Thrown away again and again, each time with messages in it: all are taken, once, in their order."""
+    node = Node("hears", context=context, start_parameter_services=False)
+    said, heard = node.create_publisher(String, "said", 10), list[str]()
+    node.create_subscription(String, "said", lambda message: heard.append(message.data), 10)
+    executor = PromptExecutor(context, most_delay_s=0.0)
+    executor.add_node(node)
+    try:
+        for _ in range(200):
+            executor.spin_once(timeout_sec=0.01)
+        for number in range(100):
+            for part in "abcd":
+                said.publish(String(data=f"{number} {part}"))
+            while len(heard) < 4 * (number + 1):
+                executor.spin_once(timeout_sec=0.5)
+        assert heard == [f"{number} {part}" for number in range(100) for part in "abcd"]
+    finally:
+        executor.remove_node(node)
+        executor.shutdown()
+        node.destroy_node()
