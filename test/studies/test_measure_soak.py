@@ -1,10 +1,12 @@
 """What the measurement of a day makes of what it has seen."""
 
 import math
+from typing import Any, cast
 
 import pytest
 
 from sojourn_config.scenario import load_scenario
+from sojourn_studies import measure_soak
 from sojourn_studies.measure_soak import EVERY_S, SUPPLIED, WAIT_S, day
 from sojourn_studies.memory_growth import growth, told
 
@@ -16,6 +18,31 @@ def test_a_day_is_drives_to_and_fro_with_waits() -> None:
     assert {one.kind for one in drives} == {"drive_to"} and {one.kind for one in waits} == {"wait_s"}
     assert scenario.leaps is not None and WAIT_S < EVERY_S
     assert len(load_scenario("flat_drive", day(0.1)).config.steps) == 2
+
+
+def test_what_a_supervisor_takes_to_judge_the_day_is_no_growth(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It read the bag for a tenth of the time, on a busy machine for more, and was said to have grown by 3 %."""
+    monkeypatch.setattr(measure_soak, "LOOK_S", 0.0)
+    day = [{"1 start": 290.0, "2 plant": 240.0}] * 20
+    left = iter([*day, *[{"1 start": 415.0}] * 30])
+    sample = next(left)
+
+    class Stack:
+        """One whose nodes end, and whose supervisor goes on for a while."""
+
+        runs = True
+
+        def wait_for(self, words: str) -> None:
+            """It runs."""
+
+        def memory_mb(self) -> dict[str, float]:
+            """The next sample."""
+            nonlocal sample
+            here, sample = sample, next(left, {})
+            self.runs = bool(sample)
+            return here
+
+    assert measure_soak.soak(cast(Any, Stack())) == day
 
 
 def test_growth_is_of_what_follows_once_buffers_are_full() -> None:

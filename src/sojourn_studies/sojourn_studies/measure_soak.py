@@ -32,13 +32,13 @@ def day(hours: float) -> list[str]:
 
 
 def soak(stack: ProbedStack) -> list[Sample]:
-    """Memory of each process until the run ends."""
+    """Memory of each process until the first of them ends: then the supervisor reads the bag, to judge it."""
     stack.wait_for(r": running")
-    samples = []
+    samples: list[Sample] = []
     while stack.runs:
         samples.append(stack.memory_mb())
         time.sleep(LOOK_S)
-    return samples[:-1]  # in the last one some have ended
+    return [sample for sample in samples if samples[0].keys() <= sample.keys()]
 
 
 def measure(given: argparse.Namespace, run_dir: Path) -> bool:
