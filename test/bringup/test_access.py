@@ -52,6 +52,7 @@ def test_roles_that_take_no_part_have_no_keys_and_bundles_go_between_companions(
     assert enclave_of("arm") not in found
     assert "/one/_period/plant" in found[enclave_of("drive")]["subscribe"]
     assert "/one/_period/drive" in found[enclave_of("drive")]["publish"]
+    assert all("/one/_period/repeats" in found[enclave_of("drive")][way] for way in ("publish", "subscribe"))
     assert not any(name.startswith("/one/_period") for name in found[enclave_of("recorder")]["subscribe"])
     assert all(name.startswith("/one/") for name in found[enclave_of("plant")]["subscribe"])
 

@@ -192,6 +192,13 @@ def test_a_copy_whose_last_words_find_no_room_ends_all_the_same(tmp_path: Path) 
     assert copied(tmp_path, FULL) == (0, "begun\nended with 0\n", "")
 
 
+def test_nothing_of_ros_is_loaded_before_nodes_are_copied() -> None:
+    """Its library starts threads; each node started by itself then, ten seconds of processor time for all of them."""
+    program = "import sys, sojourn_bringup.start_run; print([name for name in sys.modules if name == 'rclpy'])"
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert run.stdout == "[]\n"
+
+
 def test_where_others_have_begun_threads_each_node_starts_by_itself() -> None:
     done = threading.Event()
     plan: Any = SimpleNamespace(started=("plant", "drive", "arm"), replacements={})

@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import UInt8MultiArray
 
-from sojourn_contract.bundles import MOST_TWINS, Twins, bundle_of, pack, unpack
+from sojourn_contract.bundles import MOST_TWINS, Twins
+from sojourn_contract.bundling import bundle_of, pack, unpack
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.topics import TOPICS
 

@@ -11,7 +11,7 @@ from node_bench import Bench
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from sojourn_contract import onlookers, qos
-from sojourn_contract.bundles import unpack
+from sojourn_contract.bundling import unpack
 from sojourn_contract.codecs import decode
 from sojourn_contract.onlookers import ASK_S, LOOK_S, Onlookers, looks_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS

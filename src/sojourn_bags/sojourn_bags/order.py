@@ -163,6 +163,16 @@ class PeriodOrder:
         rows = [row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]]
         return rows + [row for channel, row in self._delivered.items() if channel in lacking]
 
+    def lacks(self, channel: int, stamp: int) -> bool:
+        """Whether a period that is not collected waits for a message of an awaited row."""
+        period = -(-stamp // CONTROL_PERIOD_NS)
+        if channel in self._delivered:
+            following = self.leaps.after(self.collected)
+            return (channel, stamp) in self._leaving(following) and (channel, stamp) not in self._here
+        if stamp % CONTROL_PERIOD_NS or not self.collected < period <= self.collected + self._ahead:
+            return False
+        return bool(self._due(period) & self._bits[channel]) and not self._arrived.get(period, 0) & self._bits[channel]
+
     @property
     def last_begun(self) -> int:
         """Last period of which something has come on two topics: one message with a stamp of its own begins none."""

@@ -93,6 +93,7 @@ class RecorderNode(ContractNode):
             super().poll()
             return
         now = time.monotonic()
+        self.endpoints.bundles.look(now)
         if now - self._last_progress > self.timeout_s / 2:
             self._last_progress = now
             missing = self.recording.missing()
@@ -100,6 +101,10 @@ class RecorderNode(ContractNode):
                 role = missing[0].publisher
                 detail = f"waiting for {missing[0].name} from {role}"
                 self._send_heartbeat(STALLED, self.now, detail, {"waiting for role": role})
+
+    def lacks(self, row: Topic, stamp: int) -> bool:
+        """See ContractNode."""
+        return self.recording.lacks(row, stamp)
 
     def on_period(self, stamp: int, inputs: Mapping[str, Any], goals: list[tuple[str, Any]]) -> None:
         """Nothing: messages are written as their periods are released."""
@@ -155,6 +160,11 @@ class RecorderNode(ContractNode):
             return
         while collected := self.recording.collect():
             self.act(collected, {})
+            self._write_periods()  # each before the next: its heartbeat tells of the ticks
+        self._write_periods()
+
+    def _write_periods(self) -> None:
+        """Write the periods of lock-step that are ready, and say so."""
         while period := self.recording.write_period():
             if period % TICK_PERIODS == 0:
                 self.publish(TICK, Header(period * stamps.CONTROL_PERIOD_NS))

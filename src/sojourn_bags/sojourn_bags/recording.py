@@ -130,6 +130,10 @@ class Recording:
         """Rows that the period in progress waits for."""
         return self._periods.missing()
 
+    def lacks(self, row: Topic, stamp: int) -> bool:
+        """Whether lock-step waits for a message of a row."""
+        return self._periods.lacks(self._channel_of[row.name], stamp)
+
     def has_all(self) -> bool:
         """Whether all have said farewell, and everything that they say they have sent is here."""
         published = self._published.totals()

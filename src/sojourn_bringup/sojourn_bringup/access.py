@@ -7,7 +7,7 @@ Security Tools for ROS 2"). What it does not allow, DDS security denies.
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
-from sojourn_contract.bundles import bundle_of
+from sojourn_contract.bundling import REPEATS, bundle_of
 from sojourn_contract.topic_table import TopicTable
 
 ENCLAVES = "/sojourn"
@@ -36,9 +36,10 @@ def access_policy(
     enclaves = ElementTree.SubElement(root, "enclaves")
     for role in participants:
         bundles = [bundle_of(other).name for other in companions if other != role] if role in companions else []
+        repeats = [REPEATS.name] if role in companions else []
         says = [row.name for row in table.outputs_of(role, participants)]
-        says += [bundle_of(role).name] if role in companions else []
-        hears = [row.name for row in table.inputs_of(role, participants)] + bundles
+        says += [bundle_of(role).name, *repeats] if role in companions else []
+        hears = [row.name for row in table.inputs_of(role, participants)] + bundles + repeats
         _add_enclave(enclaves, role, namespace, says, hears)
     _add_enclave(enclaves, SUPERVISOR, namespace, (), _SUPERVISED)
     ElementTree.indent(root)

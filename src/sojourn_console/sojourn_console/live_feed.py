@@ -26,7 +26,7 @@ from sojourn_config.ros_environment import ros_variables
 from sojourn_console.errors import GoalError
 from sojourn_console.feed import FeedMessage
 from sojourn_contract import onlookers, qos
-from sojourn_contract.bundles import unpack
+from sojourn_contract.bundling import unpack
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError

@@ -128,6 +128,10 @@ class Barrier(Generic[Message]):
             return "newer than those that have been taken, once a stamp"
         return None
 
+    def lacks(self, row: Topic, stamp: int) -> bool:
+        """Whether a message could be taken, and none with its stamp has come, not even one that was refused."""
+        return stamp not in self._messages[row.name] and self.refusal(row, stamp) is None
+
     def repeats(self, row: Topic, stamp: int) -> bool:
         """Whether a message is no news: that of a sender whose clock has stopped, which the run's table knows of."""
         delivery = row.delivery

@@ -14,14 +14,15 @@ A companion that acts more rarely than another speaks does not hear that one's b
 it hears the topics.
 """
 
-import struct
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from sojourn_contract import qos
 from sojourn_contract.barrier import awaited_inputs
+from sojourn_contract.bundling import bundle_of, pack, padded, unpack
 from sojourn_contract.errors import RefusedMessageError
+from sojourn_contract.repeats import Repeats
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import Message
@@ -31,60 +32,6 @@ if TYPE_CHECKING:  # a node has bundles
 
 MOST_TWINS = 1000
 """Messages of which the twin is awaited: what others say has none."""
-_OPENING = struct.Struct("<BBxxIII")
-"""CDR of std_msgs/UInt8MultiArray up to its data: encapsulation, no dimensions, no offset, how many bytes follow."""
-_HEAD = struct.Struct("<HI")
-"""Before each message: bytes of its topic's name, bytes of the message."""
-
-
-def bundle_of(role: str) -> Topic:
-    """Row of the topic on which a role's bundles go."""
-    what = "what the role says in a period, for the other nodes of its run"
-    return Topic(f"/_period/{role}", "std_msgs/UInt8MultiArray", role, (), 1, 0.1, what, logged=False)
-
-
-def pack(said: Iterable[tuple[str, bytes]]) -> bytes:
-    """One message of ROS, as bytes, that holds (topic, message as bytes) in their order."""
-    parts: list[bytes] = []
-    for topic, data in said:
-        name = topic.encode()
-        parts += (_HEAD.pack(len(name), len(data)), name, data)
-    content = b"".join(parts)
-    return _OPENING.pack(0, 1, 0, 0, len(content)) + content
-
-
-def unpack(topic: str, data: bytes) -> list[tuple[str, bytes]]:
-    """What `pack` has put into these bytes. Raises RefusedMessageError of `topic` for any others."""
-    said = _unpacked(data)
-    if said is None:
-        raise RefusedMessageError(topic, "message", f"{len(data)} bytes", "a bundle of messages")
-    return said
-
-
-def _unpacked(data: bytes) -> list[tuple[str, bytes]] | None:
-    """As `unpack`; None for bytes that `pack` has not made."""
-    if len(data) < _OPENING.size:
-        return None
-    *opening, size = _OPENING.unpack_from(data)
-    place, end = _OPENING.size, _OPENING.size + size
-    if opening != [0, 1, 0, 0] or end > len(data):  # the middleware may append some bytes
-        return None
-    said = []
-    while place < end:
-        if place + _HEAD.size > end:
-            return None
-        name_size, size = _HEAD.unpack_from(data, place)
-        name_end = place + _HEAD.size + name_size
-        name, place = data[place + _HEAD.size : name_end], name_end + size
-        if place > end or not name.isascii():
-            return None
-        said.append((name.decode(), data[name_end:place]))
-    return said
-
-
-def padded(data: bytes) -> bytes:
-    """A message as the middleware brings it, which fills up to four bytes."""
-    return data + bytes(-len(data) % 4)
 
 
 class Twins:
@@ -121,6 +68,7 @@ class Bundles:
 
     Attributes:
         speakers, listeners: companions that it hears, and that hear it, in bundles; none where nothing is bundled.
+        repeats: what is said again; None without companions.
     """
 
     def __init__(self, node: "ContractNode", outputs: Iterable[Topic], take: Callable[[Topic, bytes], None]) -> None:
@@ -136,6 +84,7 @@ class Bundles:
         self._is_held = False
         self._readers = {role: self._reader(role) for role in self.speakers}
         self._sender: Any = self._make_sender() if self.listeners else None
+        self.repeats = Repeats(node, take) if others else None
 
     def brings(self, row: Topic) -> bool:
         """Whether the node hears a row in bundles alone: what another companion says at a rate."""
@@ -172,11 +121,18 @@ class Bundles:
         said, self._said = self._said, []
         aloud, self._aloud = self._aloud, []
         self._sender.publish(pack(said))
+        if self.repeats is not None:
+            self.repeats.note(said)
         for sender, data in aloud:
             sender.publish(data)
         for name, data in said:  # its own heartbeat, where it listens to all
             if name in self._inputs:
                 self._hear(name, data)
+
+    def look(self, now: float) -> None:
+        """At a wall time [s]: say again what may be lost."""
+        if self.repeats is not None:
+            self.repeats.look(now)
 
     def unmatched(self) -> list[str]:
         """Bundles that do not reach a companion yet, in words."""

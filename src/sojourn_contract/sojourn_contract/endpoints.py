@@ -60,10 +60,11 @@ class Endpoints:
             self._node.destroy_subscription(self.readers.pop(name))
         return direct
 
-    def look(self) -> None:
-        """See which topics nobody hears but neighbours and companions, who hear them otherwise; those are not sent.
-        And of those on demand which somebody hears.
+    def look(self, now: float) -> None:
+        """At a wall time [s]: see which topics nobody hears but neighbours and companions, who hear them otherwise;
+        those are not sent. And of those on demand which somebody hears. Say again what may be lost.
         """
+        self.bundles.look(now)
         counts = {name: sender.get_subscription_count() for name, sender in self.senders.items()}
         self.wanted = frozenset(name for name in self._on_demand if counts[name])
         if self._neighbours is not None or self.bundles.listeners:

@@ -91,8 +91,7 @@ class ContractNode(Node):
         self.participants: tuple[str, ...] = tuple(self.declare_parameter("participants", list(ROLES)).value)
         self.companions = tuple(filter(None, self.declare_parameter("companions", [""]).value))
         self.timeout_s: float = self.declare_parameter("lockstep_timeout_s", 10.0).value
-        overrides_given = self.declare_parameter("overrides", [""]).value
-        self.scenario_overrides = tuple(text for text in overrides_given if text)
+        self.scenario_overrides = tuple(filter(None, self.declare_parameter("overrides", [""]).value))
         self.scenario: Any = self.read_scenario(self.scenario_name, self.scenario_overrides)
         """As its role knows it."""
         self.table = table_of(self.scenario)
@@ -100,8 +99,7 @@ class ContractNode(Node):
         self.counters = Counters()
         self._warned: dict[str, float] = {}
         self.events = EventQueue()
-        self.finished = False
-        self.exit_status = 0
+        self.finished, self.exit_status = False, 0
         self.failure = ""
         """Why the node has ended the run, in words."""
         self.ends_the_run = False
@@ -179,10 +177,14 @@ class ContractNode(Node):
         except RefusedMessageError as refusal:
             self.refuse(row.name, str(refusal))
 
+    def lacks(self, row: Topic, stamp: int) -> bool:
+        """Whether a message of a row that is waited for is to come yet."""
+        return self.barrier.lacks(row, stamp)
+
     def poll(self) -> None:
         """Wall-clock chores, called some times a second: readiness before the run, a word when stalled."""
         now = time.monotonic()
-        self.endpoints.look()
+        self.endpoints.look(now)
         if self.now == 0:
             if now - self._last_ready >= READY_REPEAT_S:
                 self._last_ready = now
@@ -373,7 +375,7 @@ class ContractNode(Node):
         """Run one period and send the heartbeat when one is due."""
         self._last_progress = time.monotonic()
         if not self.now:
-            self.endpoints.look()  # who listens from the beginning misses nothing
+            self.endpoints.look(self._last_progress)  # who listens from the beginning misses nothing
         previous, self.now = self.now or self.goes_on_from, stamp
         self.events, goals = self.events.taken(stamp)
         if self.lockstep:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sojourn_contract import qos
-from sojourn_contract.bundles import pack
+from sojourn_contract.bundling import pack
 from sojourn_contract.codecs import encode
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.types import message_class

@@ -25,7 +25,7 @@ from sojourn_config import command_line
 from sojourn_config.command_errors import CommandError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos
-from sojourn_contract.bundles import bundle_of, padded
+from sojourn_contract.bundling import REPEATS, bundle_of, padded
 from sojourn_contract.decoding import hearing
 from sojourn_contract.heartbeat import read_heartbeats
 from sojourn_contract.run_table import table_of
@@ -171,7 +171,8 @@ def rows_of_run(scenario: str, changes: Sequence[str], bundled: bool) -> list[To
     """Rows that the nodes of a run subscribe, those of its bundles among them where it has some."""
     table = table_of(load_scenario(scenario, changes))
     heard = {row.name: row for role in ROLES for row in table.inputs_of(role, ROLES)}
-    return [*heard.values(), *(bundle_of(role) for role in ROLES if bundled)]
+    hidden = [*(bundle_of(role) for role in ROLES), REPEATS]
+    return [*heard.values(), *(hidden if bundled else ())]
 
 
 def flood(stack: ProbedStack, desk: Flood, messages: int, rate: float) -> list[Sample]:
