@@ -104,6 +104,15 @@ def test_who_acts_says_nothing_again_and_who_stands_still_the_last_periods() -> 
     ]
 
 
+def test_who_is_halted_for_long_is_told_more_rarely() -> None:
+    _, again, said, _ = speaker()
+    again.note([("/clock", b"c")])
+    for tenth in range(36_000):
+        again.look(0.1 * tenth)
+    of_evenly = 3600.0 / AFTER_S
+    assert 0.01 * of_evenly < len(said) < 0.05 * of_evenly
+
+
 def test_of_what_is_said_again_a_node_takes_what_it_lacks() -> None:
     node, _, _, taken = speaker(["/clock", "/operator/tick"])
     clock, tick = (encode(topic("/clock"), Clock(4)), encode(topic("/operator/tick"), Header(5)))

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import rclpy
-from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
@@ -16,6 +15,7 @@ from sojourn_contract import qos
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats, status_values
+from sojourn_contract.prompt_executor import PromptExecutor
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import topic
 from sojourn_contract.types import message_class
@@ -45,7 +45,7 @@ class Monitor:
         )
         self.listen(topic("/diagnostics"), self._on_heartbeat)
         self.listen(topic("/drive/status"), self._on_drive_status)
-        self._executor = EventsExecutor()
+        self._executor = PromptExecutor()
         self._executor.add_node(self._node)
         return self
 

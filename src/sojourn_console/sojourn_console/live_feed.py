@@ -18,7 +18,6 @@ from time import monotonic
 from typing import Any
 
 import rclpy
-from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_bringup.instance import RoleInUseError, RoleTokens
@@ -31,6 +30,7 @@ from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.link_topics import BY_HAND, EARTH, OPERATOR
+from sojourn_contract.prompt_executor import PromptExecutor
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import ROLES, Topic
 from sojourn_contract.types import message_class
@@ -78,7 +78,7 @@ class LiveFeed:
         self._node = rclpy.create_node(
             ROLE, namespace=namespace or None, enable_rosout=False, start_parameter_services=False
         )
-        self._executor = EventsExecutor()
+        self._executor = PromptExecutor()
         self._executor.add_node(self._node)
         self._listen(table.topic(CLOCK), in_full=False)
         self._thread = threading.Thread(target=self._run, name="topics", daemon=True)

@@ -73,7 +73,7 @@ class PromptExecutor:
             self._events.add_node(node)
         self._events.spin_once(timeout_sec=0.0)  # from here on it is told
         for node in self._nodes:
-            for reader in node.subscriptions:
+            for reader in list(node.subscriptions):  # a callback may begin or end one
                 _take(reader)
 
 

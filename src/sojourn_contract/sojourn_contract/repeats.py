@@ -21,8 +21,10 @@ from sojourn_contract.types import message_class
 if TYPE_CHECKING:  # a node has repeats
     from sojourn_contract.node import ContractNode
 
-AFTER_S = 0.5
-"""Wall time without a period after which a node speaks, again and again [s]."""
+AFTER_S, PART = 0.5, 0.02
+"""Wall time without a period after which a node speaks, and again and again [s]: more rarely the longer it stands, by
+this part of it, for somebody may have halted a node on purpose.
+"""
 KEPT = RECORDER_LAG + 5
 """Bundles that are kept: nobody is further behind than the recorder may be."""
 
@@ -38,8 +40,9 @@ class Repeats:
         self._node, self._take = node, take
         self._said = deque[Sequence[tuple[str, bytes]]](maxlen=KEPT)
         self._awaited = {row.name: row for row in node.awaited}
-        self._stood = (-1, 0.0)
-        """Stamp at which the node has acted last [ns], and since when it has not or has said so last [s]."""
+        self._stands_at, self._stands_since = -1, 0.0
+        """Stamp at which the node has acted last [ns], and since when it has not [s]."""
+        self._spoke_at = 0.0
         kind, name = message_class(REPEATS.type), REPEATS.name.lstrip("/")
         self._sender: Any = node.create_publisher(kind, name, qos.profile(REPEATS, True))
         self._reader: Any = node.create_subscription(kind, name, self._hear, qos.profile(REPEATS, True), raw=True)
@@ -50,11 +53,10 @@ class Repeats:
 
     def look(self, now: float) -> None:
         """Say again what has been said, if the run stands still at a wall time [s]."""
-        stamp, since = self._stood
-        if stamp != self._node.now:
-            self._stood = (self._node.now, now)
-        elif self._said and now - since > AFTER_S:
-            self._stood = (stamp, now)
+        if self._node.now != self._stands_at:
+            self._stands_at, self._stands_since, self._spoke_at = self._node.now, now, now
+        elif self._said and now - self._spoke_at > max(AFTER_S, PART * (now - self._stands_since)):
+            self._spoke_at = now
             self._sender.publish(pack(one for said in self._said for one in said))
 
     def _hear(self, data: bytes) -> None:
