@@ -95,7 +95,9 @@ class Bundles:
         return row.name in self._heard and (row.publisher != "all" or message.stamp > 0)
 
     def is_twin(self, row: Topic, data: bytes) -> bool:
-        """Whether a message that has come by its topic has come in a bundle before."""
+        """Whether a message that has come by its topic has come before: in a bundle, or when it was said again."""
+        if self.repeats is not None and self.repeats.is_late(row, data):
+            return True
         both_ways = self.speakers and (row.is_event or row.publisher == "all")
         return bool(both_ways) and self._twins.is_second(row.name, data, bundled=False)
 
@@ -173,6 +175,8 @@ class Bundles:
 
     def _hear(self, name: str, data: bytes) -> None:
         row = self._inputs[name]
+        if self.repeats is not None and self.repeats.is_late(row, data):
+            return
         has_twin = row.is_event or row.publisher == "all"
         if not (has_twin and self._twins.is_second(name, data, bundled=True)):
             self._take(row, data)

@@ -29,8 +29,8 @@ class PromptExecutor:
         self._nodes: list[Node] = []
         self._events = EventsExecutor(context=context)
         self._probed_at = time.monotonic()
-        self._is_probing = False
-        """Whether an event of its own is in the queue, by which it sees how long others wait."""
+        self._probe: Any = None
+        """An event of its own in the queue, by which it sees how long others wait."""
 
     def add_node(self, node: Node) -> None:
         """From now on."""
@@ -47,24 +47,20 @@ class PromptExecutor:
         self._events.spin_once(timeout_sec=timeout_sec)
         if time.monotonic() - self._probed_at < self._most_delay:
             return
-        if self._is_probing:
+        if self._probe is not None and not self._probe.done():
             self._begin_anew()
-        self._probe()
+        self._probed_at = time.monotonic()
+        self._probe = self._events.create_task(
+            _nothing
+        )  # a queue that is thrown away never lets it go, nor what it has
 
     def shutdown(self) -> None:
         """Let all nodes go."""
         self._nodes = []
         self._events.shutdown()
 
-    def _probe(self) -> None:
-        self._probed_at, self._is_probing = time.monotonic(), True
-        self._events.create_task(self._end_probe)
-
-    def _end_probe(self) -> None:
-        self._is_probing = False
-
     def _begin_anew(self) -> None:
-        """Throw the queue away and take what the histories hold, of which the new one is not told."""
+        """Throw the queue away and take what the histories hold, of which the new one is not told, as it came."""
         for node in self._nodes:
             self._events.remove_node(node)
         self._events.shutdown()
@@ -72,16 +68,24 @@ class PromptExecutor:
         for node in self._nodes:
             self._events.add_node(node)
         self._events.spin_once(timeout_sec=0.0)  # from here on it is told
-        for node in self._nodes:
-            for reader in list(node.subscriptions):  # a callback may begin or end one
-                _take(reader)
+        taken = [one for node in self._nodes for reader in node.subscriptions for one in _taken(reader)]
+        for _, callback, message in sorted(taken, key=lambda one: one[0]):
+            callback(message)
 
 
-def _take(reader: Any) -> None:
-    """What its history holds; what comes meanwhile has its event."""
+def _nothing() -> None:
+    """Of a probe."""
+
+
+def _taken(reader: Any) -> list[tuple[int, Any, Any]]:
+    """What its history holds: when each message was received [ns], who takes it, and the message. What comes meanwhile
+    has its event.
+    """
+    found = []
     for _ in range(reader.qos_profile.depth):
         with reader.handle:
-            found = reader.handle.take_message(reader.msg_type, reader.raw)
-        if found is None:
-            return
-        reader.callback(found[0])
+            one = reader.handle.take_message(reader.msg_type, reader.raw)
+        if one is None:
+            break
+        found.append((one[1]["received_timestamp"], reader.callback, one[0]))
+    return found

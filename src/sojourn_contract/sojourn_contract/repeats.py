@@ -2,8 +2,9 @@
 
 The middleware keeps the newest messages of a topic alone: a node that does not get to them, since somebody floods it or
 the machine is busy, loses one for which it then waits without end, and all others for it. So whoever has not acted for
-a while says again what it has said of the last periods, on one hidden topic for all companions; each takes of it what
-it lacks. A run that goes on says nothing again, and its record is the same either way.
+a while says again what it has said at a rate in the last periods, on one hidden topic for all companions; each takes of
+it what it lacks, and passes over the first saying where that is late and not lost. A run that goes on says nothing
+again, and its record is the same either way. Goals and heartbeats, which go both ways, are not said again.
 """
 
 from collections import deque
@@ -27,6 +28,8 @@ this part of it, for somebody may have halted a node on purpose.
 """
 KEPT = RECORDER_LAG + 5
 """Bundles that are kept: nobody is further behind than the recorder may be."""
+MOST_TAKEN = 500
+"""Messages of which the first saying may come late."""
 
 
 class Repeats:
@@ -40,6 +43,9 @@ class Repeats:
         self._node, self._take = node, take
         self._said = deque[Sequence[tuple[str, bytes]]](maxlen=KEPT)
         self._awaited = {row.name: row for row in node.awaited}
+        self._at_a_rate = {row.name for row in node.table if row.publisher == node.role and not row.is_event}
+        self._taken = deque[tuple[str, int]](maxlen=MOST_TAKEN)
+        """Topic and stamp of what was taken when it was said again."""
         self._stands_at, self._stands_since = -1, 0.0
         """Stamp at which the node has acted last [ns], and since when it has not [s]."""
         self._spoke_at = 0.0
@@ -57,13 +63,24 @@ class Repeats:
             self._stands_at, self._stands_since, self._spoke_at = self._node.now, now, now
         elif self._said and now - self._spoke_at > max(AFTER_S, PART * (now - self._stands_since)):
             self._spoke_at = now
-            self._sender.publish(pack(one for said in self._said for one in said))
+            self._sender.publish(pack(one for said in self._said for one in said if one[0] in self._at_a_rate))
+
+    def is_late(self, row: Topic, data: bytes) -> bool:
+        """Whether a message has been taken already when it was said again; the second such one is not."""
+        if not self._taken:
+            return False
+        try:
+            self._taken.remove((row.name, stamp_of(row.name, data)))
+        except (ValueError, RefusedMessageError):
+            return False
+        return True
 
     def _hear(self, data: bytes) -> None:
         try:
             for name, content in unpack(REPEATS.name, data):
                 row = self._awaited.get(name)
-                if row is not None and self._node.lacks(row, stamp_of(name, content)):
+                if row is not None and self._node.lacks(row, stamp := stamp_of(name, content)):
+                    self._taken.append((name, stamp))
                     self._take(row, content)
         except RefusedMessageError as refusal:
             self._node.refuse(REPEATS.name, str(refusal))
