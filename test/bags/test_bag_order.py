@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sojourn_bags.completeness import PublishedCounts, account, due_by
-from sojourn_bags.order import HOLD_PERIODS, MAX_AHEAD_PERIODS, Entry, PeriodOrder, WindowOrder
+from sojourn_bags.order import HOLD_PERIODS, MAX_AHEAD_PERIODS, MOST_WAITING, Entry, PeriodOrder, WindowOrder
 from sojourn_contract.heartbeat import ENDED, RUNNING, Heartbeat
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Reliability, Topic
@@ -173,3 +173,18 @@ def test_what_others_have_said_is_counted_where_a_killed_publisher_cannot_explai
     flooded = account(rows, said | {"/truth/odom": 700}, said, None)
     assert flooded.foreign == flooded.as_record()["foreign"] == "/truth/odom (200 of 700)"
     assert not flooded.gaps
+
+
+def test_where_no_clock_comes_the_oldest_are_written() -> None:
+    """A flood on /clock keeps the plant's from the recorder: all that came waited in memory, 200 MB in 200 s."""
+    window, written, waiting = WindowOrder(), list[Entry](), []
+    window.newest = CONTROL_PERIOD_NS
+    for number in range(4 * MOST_WAITING):
+        window.offer(0, (number // 20 + 1) * CONTROL_PERIOD_NS, 0, b"%d" % number)
+        if number % 20 == 0:
+            written += window.release()
+            waiting.append(number + 1 - len(written))
+    written += window.release_all()
+    assert max(waiting) <= MOST_WAITING
+    assert sorted(int(entry[-1]) for entry in written) == list(range(4 * MOST_WAITING))
+    assert [entry[0] for entry in written] == sorted(entry[0] for entry in written)
