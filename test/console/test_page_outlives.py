@@ -56,9 +56,9 @@ def test_a_camera_that_turns_about_its_own_place_is_drawn_as_it_looks(
         for turn in (np.eye(3), np.diag([-1.0, -1.0, 1.0])):
             monkeypatch.setattr(MachineShape, "link", lambda *_, turn=turn: (np.ones(3), turn))
             view.show(RunScene())
-            for frustum in view.frustums.values():
+            for frustum in view._frustums.values():
                 assert np.allclose(frustum.wxyz, quaternion(turn @ LINK_TO_OPTICAL), atol=1e-4)
-        assert view.frustums
+        assert view._frustums
     finally:
         server.stop()
 

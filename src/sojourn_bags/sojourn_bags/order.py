@@ -162,18 +162,16 @@ class PeriodOrder:
     def missing(self) -> list[Topic]:
         """Rows that the period in progress waits for."""
         period = self.leaps.after(self.collected)
-        arrived = self._arrived.get(period, 0)
-        lacking = {channel for channel, stamp in self._leaving(period) if (channel, stamp) not in self._here}
-        rows = [row for channel, row in self._awaited if is_due(row, period) and not arrived & self._bits[channel]]
+        lacking = {channel for channel, _ in self._to_come(period)}
+        rows = [row for channel, row in self._awaited if self.lacks(channel, period * CONTROL_PERIOD_NS)]
         return rows + [row for channel, row in self._delivered.items() if channel in lacking]
 
     def lacks(self, channel: int, stamp: int) -> bool:
         """Whether a period that is not collected waits for a message of an awaited row."""
-        period = -(-stamp // CONTROL_PERIOD_NS)
         if channel in self._delivered:
-            following = self.leaps.after(self.collected)
-            return (channel, stamp) in self._leaving(following) and (channel, stamp) not in self._here
-        if stamp % CONTROL_PERIOD_NS or not self.collected < period <= self.collected + self._ahead:
+            return (channel, stamp) in self._to_come(self.leaps.after(self.collected))
+        period, rest = divmod(stamp, CONTROL_PERIOD_NS)
+        if rest or not self.collected < period <= self.collected + self._ahead:
             return False
         return bool(self._due(period) & self._bits[channel]) and not self._arrived.get(period, 0) & self._bits[channel]
 
@@ -204,6 +202,10 @@ class PeriodOrder:
             if row.delivery is not None
             for each in row.delivery.left_at(period)
         ]
+
+    def _to_come(self, period: int) -> set[tuple[int, int]]:
+        """Of those, the ones that are not here."""
+        return set(self._leaving(period)) - self._here
 
     def _due(self, period: int) -> int:
         """Bits of the rows that are due. The pattern repeats, because no row lags for the recorder."""

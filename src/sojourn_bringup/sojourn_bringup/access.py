@@ -35,11 +35,11 @@ def access_policy(
     root = ElementTree.Element("policy", version="0.2.0")
     enclaves = ElementTree.SubElement(root, "enclaves")
     for role in participants:
-        bundles = [bundle_of(other).name for other in companions if other != role] if role in companions else []
-        repeats = [REPEATS.name] if role in companions else []
         says = [row.name for row in table.outputs_of(role, participants)]
-        says += [bundle_of(role).name, *repeats] if role in companions else []
-        hears = [row.name for row in table.inputs_of(role, participants)] + bundles + repeats
+        hears = [row.name for row in table.inputs_of(role, participants)]
+        if role in companions:
+            says += [bundle_of(role).name, REPEATS.name]
+            hears += [*(bundle_of(other).name for other in companions if other != role), REPEATS.name]
         _add_enclave(enclaves, role, namespace, says, hears)
     _add_enclave(enclaves, SUPERVISOR, namespace, (), _SUPERVISED)
     ElementTree.indent(root)

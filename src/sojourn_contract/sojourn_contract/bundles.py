@@ -94,12 +94,12 @@ class Bundles:
         """Whether a message goes to companions in the bundle. A heartbeat from before the run goes by its topic."""
         return row.name in self._heard and (row.publisher != "all" or message.stamp > 0)
 
-    def is_twin(self, row: Topic, data: bytes) -> bool:
-        """Whether a message that has come by its topic has come before: in a bundle, or when it was said again."""
+    def has_come(self, row: Topic, data: bytes, bundled: bool) -> bool:
+        """Whether a message that comes in a bundle or by its topic has come before: the other way, or said again."""
         if self.repeats is not None and self.repeats.is_late(row, data):
             return True
         both_ways = self.speakers and (row.is_event or row.publisher == "all")
-        return bool(both_ways) and self._twins.is_second(row.name, data, bundled=False)
+        return bool(both_ways) and self._twins.is_second(row.name, data, bundled)
 
     def say(self, row: Topic, data: bytes, aloud: Any) -> None:
         """Put a message into the bundle. `aloud`: sender by which it goes on its topic too, None where nobody listens
@@ -175,10 +175,7 @@ class Bundles:
 
     def _hear(self, name: str, data: bytes) -> None:
         row = self._inputs[name]
-        if self.repeats is not None and self.repeats.is_late(row, data):
-            return
-        has_twin = row.is_event or row.publisher == "all"
-        if not (has_twin and self._twins.is_second(name, data, bundled=True)):
+        if not self.has_come(row, data, bundled=True):
             self._take(row, data)
 
 

@@ -124,7 +124,7 @@ class Endpoints:
 
     def _reader(self, row: Topic, take: Callable[[Topic, bytes], None]) -> Any:
         def receive(data: bytes) -> None:
-            if not self.bundles.is_twin(row, data):
+            if not self.bundles.has_come(row, data, bundled=False):
                 take(row, data)
 
         return self._node.create_subscription(

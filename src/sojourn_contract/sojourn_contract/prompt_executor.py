@@ -61,8 +61,6 @@ class PromptExecutor:
 
     def _begin_anew(self) -> None:
         """Throw the queue away and take what the histories hold, of which the new one is not told, as it came."""
-        for node in self._nodes:
-            self._events.remove_node(node)
         self._events.shutdown()
         self._events = EventsExecutor(context=self._context)
         for node in self._nodes:

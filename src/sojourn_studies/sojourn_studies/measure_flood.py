@@ -171,8 +171,8 @@ def rows_of_run(scenario: str, changes: Sequence[str], bundled: bool) -> list[To
     """Rows that the nodes of a run subscribe, those of its bundles among them where it has some."""
     table = table_of(load_scenario(scenario, changes))
     heard = {row.name: row for role in ROLES for row in table.inputs_of(role, ROLES)}
-    hidden = [*(bundle_of(role) for role in ROLES), REPEATS]
-    return [*heard.values(), *(hidden if bundled else ())]
+    hidden = [*map(bundle_of, ROLES), REPEATS] if bundled else []
+    return [*heard.values(), *hidden]
 
 
 def flood(stack: ProbedStack, desk: Flood, messages: int, rate: float) -> list[Sample]:

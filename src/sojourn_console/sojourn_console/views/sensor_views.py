@@ -69,7 +69,7 @@ class CameraView:
     def __init__(self, server: viser.ViserServer, world: World) -> None:
         self._server, self._world = server, world
         self._shape = MachineShape(world.scenario.urdf_xml)
-        self.frustums: dict[str, Any] = {}
+        self._frustums: dict[str, Any] = {}
         self._images: dict[str, Image] = {}
 
     def show(self, scene: RunScene) -> None:
@@ -79,8 +79,8 @@ class CameraView:
                 continue
             position, turn = place
             image = scene.images.get(camera.topic)
-            if camera.name not in self.frustums:
-                self.frustums[camera.name] = self._server.scene.add_camera_frustum(
+            if camera.name not in self._frustums:
+                self._frustums[camera.name] = self._server.scene.add_camera_frustum(
                     f"/machine/camera_{camera.name}",
                     fov=camera.view,
                     aspect=camera.aspect,
@@ -89,7 +89,7 @@ class CameraView:
                     thickness=0.006,
                     cast_shadow=False,
                 )
-            frustum = self.frustums[camera.name]
+            frustum = self._frustums[camera.name]
             # rounded: what is as it was is not sent
             frustum.position = np.round(position, DECIMALS)
             frustum.wxyz = np.round(quaternion(turn @ LINK_TO_OPTICAL), DECIMALS)
@@ -99,7 +99,7 @@ class CameraView:
                 frustum.image = pixels(image)
 
     def hide(self) -> None:
-        for frustum in self.frustums.values():
+        for frustum in self._frustums.values():
             frustum.visible = False
 
 
