@@ -6,6 +6,7 @@ only beside a deadly run has its row, and the deadly one is lost.
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError
 from itertools import islice
 from typing import Any, NamedTuple, NoReturn
 
@@ -107,20 +108,22 @@ def _ended(
 
 
 def _outcome(future: Future, order: Order) -> _Ended:
-    if future.status == "finished":
+    try:  # not its status: a run that is done is to be done anew if its worker dies before it was fetched
         return _Ended(order, future.result(), killed=False)
-    if future.status == "cancelled":
-        raise CampaignError(f"the scheduler is gone; {GOES_ON}")
-    error = future.exception()
-    if isinstance(error, NoWorkerError):
-        raise CampaignError(f"for {error.timeout:.0f} s there was no worker; {GOES_ON}")
-    killed = isinstance(error, KilledWorker)
-    if killed:
+    except CancelledError:
+        raise CampaignError(f"the scheduler is gone; {GOES_ON}") from None
+    except NoWorkerError as error:
+        raise CampaignError(f"for {error.timeout:.0f} s there was no worker; {GOES_ON}") from None
+    except KilledWorker as error:
         last = error.last_worker.address
         reason = f"each of the {error.allowed_failures + 1} workers that had it died, the last of them {last}"
-    else:
-        reason = " ".join(str(error).split()) or type(error).__name__
-    return _Ended(order, Finished(unfinished_row(order.draw, LOST, reason)), killed)
+        return _Ended(order, _lost(order, reason), killed=True)
+    except Exception as error:
+        return _Ended(order, _lost(order, " ".join(str(error).split()) or type(error).__name__), killed=False)
+
+
+def _lost(order: Order, reason: str) -> Finished:
+    return Finished(unfinished_row(order.draw, LOST, reason))
 
 
 def _as_it_is(value: CarriedFiles) -> CarriedFiles:
