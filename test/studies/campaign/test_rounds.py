@@ -100,6 +100,20 @@ def test_it_stops_where_no_worker_is_left(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(taken) < 100
 
 
+def test_it_stops_where_the_scheduler_is_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rounds, "do", deadly(tmp_path, 1, kills=0))
+    taken: list[Finished] = []
+    with cluster.workers_here(1, tmp_path / "work") as client:
+
+        def take(finished: Finished) -> None:
+            taken.append(finished)
+            client.cluster.close()
+
+        with pytest.raises(CampaignError, match=r"the scheduler is gone; .*the same command"):
+            rounds.carry_out(client, orders(100), CARRIED, take)
+    assert 1 <= len(taken) < 100
+
+
 def taken_until_the_end(task: Task, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Finished]:
     """What is taken of a campaign that does not come to its end, on one worker in this process."""
     monkeypatch.setattr(rounds, "do", task)

@@ -14,11 +14,12 @@ from typing import Any
 
 import dask
 from distributed import Client, LocalCluster, Security
+from distributed.utils import silence_logging_cmgr
 
 from sojourn_config.command_errors import UsageError
 from sojourn_machine import arithmetic
 from sojourn_studies.campaign.alike import Versions, check_alike
-from sojourn_studies.campaign.errors import WorkerError
+from sojourn_studies.campaign.errors import SchedulerGoneError, WorkerError
 
 CONNECT_S = 20.0
 """Wall time within which a scheduler must answer [s]."""
@@ -77,7 +78,7 @@ def workers_of(scheduler: str, versions: Versions) -> Iterator[Client]:
     Raises:
         UsageError: it cannot be reached, has no worker, or one that does not compute as we do.
     """
-    with dask.config.set(_QUIET):
+    with dask.config.set(_QUIET), silence_logging_cmgr(logging.CRITICAL):  # what is lost has its word from us
         try:
             client = Client(scheduler, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
@@ -89,8 +90,12 @@ def workers_of(scheduler: str, versions: Versions) -> Iterator[Client]:
 
 
 def threads(client: Client) -> int:
-    """How many runs the workers take at once."""
-    return max(sum(client.nthreads().values()), 1)
+    """How many runs the workers take at once. Raises SchedulerGoneError."""
+    try:
+        found = client.nthreads()
+    except (AttributeError, OSError):  # a client that has lost its scheduler asks None
+        raise SchedulerGoneError from None
+    return max(sum(found.values()), 1)
 
 
 def join(scheduler: str, count: int) -> None:

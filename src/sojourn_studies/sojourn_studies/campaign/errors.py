@@ -2,9 +2,18 @@
 
 from sojourn_config.command_errors import CommandError
 
+GOES_ON = "what is done is kept: with that mended the same command goes on with the rest"
+
 
 class CampaignError(CommandError):
     """A campaign that cannot go on. What is done so far is kept."""
+
+
+class SchedulerGoneError(CampaignError):
+    """The scheduler does not answer any more."""
+
+    def __init__(self) -> None:
+        super().__init__(f"the scheduler is gone; {GOES_ON}")
 
 
 class WorkerError(CampaignError):

@@ -15,7 +15,7 @@ from distributed.scheduler import NoWorkerError
 
 from sojourn_studies.campaign.carried import CarriedFiles
 from sojourn_studies.campaign.cluster import threads
-from sojourn_studies.campaign.errors import CampaignError
+from sojourn_studies.campaign.errors import GOES_ON, CampaignError, SchedulerGoneError
 from sojourn_studies.campaign.row import LOST, unfinished_row
 from sojourn_studies.campaign.task import Finished, Order, do
 
@@ -24,7 +24,6 @@ AHEAD = 2
 LOST_IN_A_ROW = 5
 """Runs lost one after the other, for each that the workers take at once, after which the campaign stops: a disk that is
 full for one run is full for the next, and a thousand rows that say so are no use."""
-GOES_ON = "what is done is kept: with that mended the same command goes on with the rest"
 
 
 class _Ended(NamedTuple):
@@ -111,7 +110,7 @@ def _outcome(future: Future, order: Order) -> _Ended:
     try:  # not its status: a run that is done is to be done anew if its worker dies before it was fetched
         return _Ended(order, future.result(), killed=False)
     except CancelledError:
-        raise CampaignError(f"the scheduler is gone; {GOES_ON}") from None
+        raise SchedulerGoneError from None
     except NoWorkerError as error:
         raise CampaignError(f"for {error.timeout:.0f} s there was no worker; {GOES_ON}") from None
     except KilledWorker as error:
