@@ -191,6 +191,22 @@ def test_a_goal_that_goes_on_beside_a_refused_one_is_paused_and_cancelled(feed: 
     assert desk.cancel(refused) == "goal of drive cancelled"
 
 
+def test_a_route_goes_on_beside_one_from_here_that_was_refused(feed: DeafFeed) -> None:
+    """Pause took the refused one for the last that was sent, and the route for somebody else's."""
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("route", ((1.0, 0.0, 0.0), (2.0, 0.0, 0.0))))
+    desk.look(drive_tells("moving", stamp))
+    feed.now += 1
+    refused = drive_tells("refused", desk.send(Draft("drive", ((900.0, 0.0, 0.0),))))
+    desk.look(replace(refused, pose=BasePose(np.array([1.1, 0.1, 0.5]), np.array([0.0, 0.0, 0.0, 1.0]))))
+    assert desk.pause(refused) == "drive paused"
+    feed.now += 1
+    desk.send(Draft("drive", ((900.0, 0.0, 0.0),)))
+    desk.look(refused := drive_tells("refused", feed.now))
+    assert desk.resume(refused) == "drive goes on"
+    assert [pose.position[0] for pose in feed.said[-1][1].poses] == [2.0]
+
+
 def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
     desk = CommandDesk(feed)
     arm = RunScene(statuses={"/arm/status": {"state": "moving"}})

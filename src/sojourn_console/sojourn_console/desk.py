@@ -13,7 +13,7 @@ import numpy as np
 from sojourn_console.draft import Draft
 from sojourn_console.errors import GoalError
 from sojourn_console.feed import Mouth
-from sojourn_console.model import RunScene
+from sojourn_console.model import BasePose, RunScene
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.values import TwistStamped
 from sojourn_operator.goal_messages import QUESTION, stop_messages
@@ -63,6 +63,8 @@ class CommandDesk:
     def __init__(self, mouth: Mouth) -> None:
         self._mouth = mouth
         self.driven: Sent | None = None
+        self._before: Sent | None = None
+        """What was driven when that was sent: it goes on where that is refused."""
         self._arm_is_paused = False
         self._told: dict[str, Mapping[str, str]] = {}
         """Last status of each role but those that refuse: what was under way before a refusal goes on."""
@@ -72,6 +74,7 @@ class CommandDesk:
         stamp = self._mouth.now
         self._mouth.send(*draft.message(stamp))
         if draft.is_way:
+            self._before = self._accepted()
             self.driven = Sent(draft, stamp)
         return stamp
 
@@ -83,7 +86,7 @@ class CommandDesk:
 
     def stop(self) -> tuple[str, ...]:
         """Stop drive and arm, softly, as their own limits have it. Returns who hears it. Raises GoalError: nobody."""
-        self.driven, self._arm_is_paused = None, False
+        self._let_go()
         problems, told = list[GoalError](), list[str]()
         for role, (name, message) in zip(ROLES, stop_messages(0), strict=True):  # without a stamp: never too old
             try:
@@ -101,7 +104,7 @@ class CommandDesk:
         Args:
             sent: roles to which a goal is on its way.
         """
-        self.driven, self._arm_is_paused = None, False
+        self._let_go()
         self._hear(scene)
         ended = []
         for role, (name, message) in zip(ROLES, stop_messages(0), strict=True):
@@ -113,6 +116,7 @@ class CommandDesk:
     def pause(self, scene: RunScene) -> str:
         """Come to rest, to go on. Returns what was paused, in words. Raises GoalError where the drive may move on."""
         self._hear(scene)
+        self.driven = self._accepted()
         paused = []
         problem = self._unpaused()
         if self._moves("drive") and self.driven is not None and not problem:
@@ -129,6 +133,7 @@ class CommandDesk:
     def resume(self, scene: RunScene) -> str:
         """Go on. Returns with what, in words. Raises GoalError where the drive was commanded otherwise since."""
         self._hear(scene)
+        self.driven = self._accepted()
         going, problem = [], ""
         if self.driven is not None and self.driven.is_paused:
             if self.is_told_of(self.driven, self._told["drive"]):
@@ -149,18 +154,23 @@ class CommandDesk:
 
     def forget(self) -> None:
         """Another run has begun: what was sent belongs to the one before."""
-        self.driven, self._arm_is_paused = None, False
+        self._let_go()
         self._told.clear()
 
     def look(self, scene: RunScene) -> None:
         """See what is told, and which points of the way have been passed."""
         self._hear(scene)
-        sent = self.driven
-        if sent is None or scene.pose is None or sent.passed >= len(sent.draft.points):
-            return
-        x, y = sent.draft.points[sent.passed][:2]
-        if math.hypot(scene.pose.position[0] - x, scene.pose.position[1] - y) < PASSED:
-            self.driven = replace(sent, passed=sent.passed + 1)
+        if scene.pose is not None:
+            self.driven, self._before = (_further(one, scene.pose) for one in (self.driven, self._before))
+
+    def _accepted(self) -> Sent | None:
+        """The way that was sent last, of those that are not refused."""
+        return self._before if self.driven is not None and self.driven.told == REFUSED else self.driven
+
+    def _let_go(self) -> None:
+        """Nothing of what was sent is to be paused, or to go on."""
+        self.driven = self._before = None
+        self._arm_is_paused = False
 
     def _hear(self, scene: RunScene) -> None:
         """What drive and arm tell, and what of that is about the way that was sent last."""
@@ -184,6 +194,15 @@ class CommandDesk:
         if self._moves("drive") and not is_from_here:
             return "the goal under way is not the last that was sent from here: allowed is STOP or Cancel"
         return ""
+
+
+def _further(sent: Sent | None, pose: BasePose) -> Sent | None:
+    """A way with the point that is passed at a pose."""
+    if sent is None or sent.passed >= len(sent.draft.points):
+        return sent
+    x, y = sent.draft.points[sent.passed][:2]
+    is_near = math.hypot(pose.position[0] - x, pose.position[1] - y) < PASSED
+    return replace(sent, passed=sent.passed + 1) if is_near else sent
 
 
 def _words(roles: Sequence[str], what: str, problem: str) -> str:
