@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from sojourn_console.draft import Draft
-from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, alike
+from sojourn_console.rehearsed import RECKONED, SIMULATED, RehearsedDrive, alike, ends
 from sojourn_console.rehearser import Rehearser
 from sojourn_operator.foresight_words import foresight_lines
 
@@ -41,7 +41,7 @@ def _found_rows(found: RehearsedDrive | None, looks: Sequence[RehearsedDrive] = 
     same = alike(looks) if looks else [found]
     state = found.state if found.is_over else f"{found.time_s:.0f} s so far"
     if len(same) < len(looks):
-        state += f" in {len(same)} of {len(looks)}"
+        state = ", ".join(f"{end} in {count}" for end, count in ends(looks)) + f" of {len(looks)}"
     charge = f", charge {found.charge:.1%}, {found.mode.lower()}" if math.isfinite(found.charge) else ""
     slip = f", slip {found.slip:.0%}" if found.means == SIMULATED else ""
     return [

@@ -34,9 +34,14 @@ class RehearsedDrive:
     look: int = 0
 
 
+def ends(looks: Sequence[RehearsedDrive]) -> list[tuple[str, int]]:
+    """As what they end, and how many do, that of the most first."""
+    return Counter(found.state for found in looks).most_common()
+
+
 def alike(looks: Sequence[RehearsedDrive]) -> list[RehearsedDrive]:
     """Those that end as most do, the quickest first."""
-    end = Counter(found.state for found in looks).most_common(1)[0][0]
+    end, _ = ends(looks)[0]
     return sorted((found for found in looks if found.state == end), key=lambda found: found.time_s)
 
 
