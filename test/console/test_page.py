@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from told_feed import ToldFeed
+from told_ground import ground_told
 
 from sojourn_bags.messages import Messages
 from sojourn_bags.reading import Bag, read_bag
@@ -14,12 +15,13 @@ from sojourn_console.bag_feed import BagFeed
 from sojourn_console.gate import GuardedServer
 from sojourn_console.model import RunScene
 from sojourn_console.page import FRAMES, Page
-from sojourn_console.views.ground_view import GroundView, deepest_of_each
+from sojourn_console.ruts import deepest_of_each
+from sojourn_console.views.ground_view import GroundView
 from sojourn_console.views.way_view import ABOVE, on_ground
 from sojourn_console.world import World, world_of_bag
 from sojourn_contract.codecs import encode
 from sojourn_contract.ground import GROUND
-from sojourn_contract.values import FLOAT32, Message, PointCloud2, PointField
+from sojourn_contract.values import Message, PointCloud2
 
 SEEING = Path(__file__).parents[1] / "replay" / "themes" / "sight"
 
@@ -102,10 +104,8 @@ def test_a_jump_does_not_copy_all_that_has_passed_with_every_message(
 def lowered(second: int) -> PointCloud2:
     """A patch of 0.2 m that has been pressed down by 5 cm, another with each second."""
     x, y = np.meshgrid(0.5 * second + 0.02 * np.arange(10), 0.02 * np.arange(10))
-    nodes = np.stack([x, y, np.full_like(x, 0.05)], axis=2).reshape(-1, 3).astype(np.float32)
-    fields = tuple(PointField(name, 4 * place, FLOAT32) for place, name in enumerate(("x", "y", "lowered")))
-    data = nodes.tobytes()
-    return PointCloud2(second * 1_000_000_000, "map", len(nodes), fields, 12, data, row_step=len(data))
+    nodes = np.stack([x, y, np.full_like(x, 0.05)], axis=2).reshape(-1, 3)
+    return ground_told(second * 1_000_000_000, nodes)
 
 
 def ruts_of(page: Page) -> int:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sojourn_console.feed import FeedMessage
+from sojourn_console.ruts import touching
 from sojourn_contract.clouds import columns_of, points_of
 from sojourn_contract.codecs import decode
 from sojourn_contract.decoding import refusing
@@ -81,7 +82,8 @@ class RunScene:
         speed: of the estimate ahead [m/s]. joints: angles [rad], [m] by joint; measured, or true where told.
         track: places that the estimate has passed, (n, 3). plan: what is left of the way to the goal, (n, 3).
         cloud: newest points of the hazard camera in base_link, (n, 3), and from which pose.
-        contacts: with the ground; passed: all that have come since the scene was shown last.
+        contacts: with the ground; passed: x, y and sinkage [m] of what has touched it since the scene was shown last,
+            (n, 3), a message each.
         lowered: nodes of /truth/ground that have changed since the scene was shown last, a message each: columns x, y,
             and by how much lower [m].
         costmap: what the drive takes for closed round it, None where it has not told.
@@ -103,7 +105,7 @@ class RunScene:
     cloud: FloatArray = field(default_factory=lambda: NOTHING)
     cloud_pose: BasePose | None = None
     contacts: Contacts | None = None
-    passed: tuple[Contacts, ...] = ()
+    passed: tuple[FloatArray, ...] = ()
     lowered: tuple[FloatArray, ...] = ()
     costmap: OccupancyGrid | None = None
     images: Mapping[str, Image] = field(default_factory=dict)
@@ -132,7 +134,7 @@ class RunScene:
 
 def after_all(scene: RunScene, heard: Iterable[FeedMessage]) -> RunScene:
     """The scene after messages in their order, since a scene was shown: `passed` and `lowered` have come with them."""
-    passed, lowered = list[Contacts](), list[FloatArray]()
+    passed, lowered = list[FloatArray](), list[FloatArray]()
     scene = replace(scene, passed=(), lowered=())
     for one in heard:
         scene = after(scene, one)
@@ -189,7 +191,8 @@ def _contacts(scene: RunScene, name: str, message: Message) -> RunScene:
     places = np.stack([columns[axis] for axis in "xyz"], axis=1)
     forces = np.stack([columns[f"force_{axis}"] for axis in "xyz"], axis=1)
     contacts = Contacts(places, forces, columns["sinkage"], columns["slip_ratio"])
-    return replace(scene, contacts=contacts, passed=(*scene.passed, contacts))
+    nodes = touching(places, forces, contacts.sinkage)
+    return replace(scene, contacts=contacts, passed=(*scene.passed, nodes))
 
 
 def _ground(scene: RunScene, name: str, message: Message) -> RunScene:

@@ -13,6 +13,7 @@ import viser
 from sojourn_console.alarm_board import AlarmBoard
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.desk import CommandDesk
+from sojourn_console.earlier import EarlierTraces
 from sojourn_console.failures import OutlivedView
 from sojourn_console.feed import Feed
 from sojourn_console.gate import GuardedServer
@@ -89,6 +90,7 @@ class Page:
             self._scene_panel = ScenePanel(self.bench, tuple(outlived))
         self._fold_all = frozenset(IN_FULL_OF_A_BAG if isinstance(feed, BagFeed) else IN_FULL)
         self._images = tuple(camera.topic for camera in world.cameras if camera.topic)
+        self._earlier = EarlierTraces(world.run.folder if world.run is not None else None)
         self._count = 0
         server.on_client_disconnect(self._gone)
 
@@ -117,7 +119,10 @@ class Page:
             newest = {one.row.name: place for place, one in enumerate(heard)}
             folded = self._fold_all
             kept = (one for place, one in enumerate(heard) if newest[one.row.name] == place or one.row.name in folded)
-            bench.scene = scene = after_all(bench.scene, kept)
+            bench.scene = after_all(bench.scene, kept)
+            with failures.of("what the run left behind before it was heard"):
+                bench.scene = self._earlier.under(bench.scene, time.monotonic())
+            scene = bench.scene
             for panel in panels:
                 with failures.of(_part(panel)):
                     panel.hear(heard)
@@ -135,6 +140,7 @@ class Page:
         for panel in self._tabs:
             with self.bench.failures.of(_part(panel)):
                 panel.close()
+        self._earlier.close()
         self.bench.feed.close()
         self.bench.server.stop()
 
@@ -153,6 +159,7 @@ class Page:
         self.bench.desk.forget()
         if not isinstance(self.bench.feed, BagFeed):
             self.bench.another_run.begins()
+            self._earlier.begin_anew()
         for view in self._views:
             if isinstance(view, GroundView):
                 with self.bench.failures.of("the ground"):

@@ -8,7 +8,8 @@ import numpy as np
 import viser
 
 from sojourn_console.ground_tiles import GroundTiles, TileKey
-from sojourn_console.model import Contacts, RunScene
+from sojourn_console.model import RunScene
+from sojourn_console.ruts import deepest_of_each
 from sojourn_console.world import World
 from sojourn_machine.params import FloatArray
 
@@ -18,16 +19,12 @@ OUTDATED_S = 8.0
 """A tile as it was stays so long, until even a slow browser has read the new one."""
 NAMES = 8
 """Of one tile after the other; a name that comes again takes the place of its first bearer in viser's memory."""
-TOUCH_N = 1.0
-"""Of a pad that does not touch the force is zero."""
 SUN_MOVED = math.radians(1.0)
 """From then on the ground is lit anew."""
 SHADE = "/shade"
 """Name of what the machine's shadow falls on, in the scene: one for all drawings of a tile."""
 DARKNESS = 0.55
 """Of the shadow; what is left is the sky's light."""
-NEAR = 0.02
-"""Of places in the same square of this side the deepest stands for all [m]: half a pixel."""
 NARROWEST = 0.04
 """Half the width of a rut at least [m]."""
 
@@ -63,7 +60,7 @@ class GroundView:
             self._told = True
             self._lower(np.concatenate(scene.lowered), NARROWEST / 2)
         elif scene.passed and not self._told:
-            self._lower(np.concatenate([_touching(contacts) for contacts in scene.passed]), self._half_width)
+            self._lower(np.concatenate(scene.passed), self._half_width)
         now = time.monotonic()
         while self._stale and now - self._stale[0][0] > OUTDATED_S:
             self._stale.pop(0)[1].remove()
@@ -97,20 +94,6 @@ class GroundView:
         name = f"/ground/tile_{key.row}_{key.column}_{number % NAMES}"
         fresh = self._server.scene.add_glb(name, glb_data=self.tiles.glb(key), cast_shadow=False, receive_shadow=False)
         self._drawn[key] = fresh, number + 1
-
-
-def deepest_of_each(nodes: FloatArray) -> FloatArray:
-    """Of nodes (n, 3), x, y and depth [m], the deepest of each small square; a rut is as deep as its deepest."""
-    squares = np.floor(nodes[:, :2] / NEAR)
-    order = np.lexsort((-nodes[:, 2], squares[:, 1], squares[:, 0]))
-    _, first = np.unique(squares[order], axis=0, return_index=True)
-    return nodes[order[first]]
-
-
-def _touching(contacts: Contacts) -> FloatArray:
-    """x, y and sinkage of what touches the ground, (n, 3) [m]."""
-    touching = np.linalg.norm(contacts.forces, axis=1) > TOUCH_N
-    return np.column_stack([contacts.places[touching, :2], contacts.sinkage[touching]])
 
 
 def _half_width(world: World) -> float:

@@ -1,0 +1,106 @@
+"""What a run has left behind before it is looked at: its way and its ruts, from its bag, which is still written.
+
+It is a program of its own, for a long bag keeps a core busy for a minute: `python -m sojourn_console.traces RUN NS`
+prints the `Traces` of a run up to a time [ns] as a file of numpy.
+"""
+
+import sys
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import numpy as np
+from mcap.records import Channel, Message
+
+from sojourn_bags.errors import BagsError
+from sojourn_bags.parts import BagSalvage, parts_of
+from sojourn_config import command_line
+from sojourn_console.errors import ConsoleError
+from sojourn_console.feed import FeedMessage
+from sojourn_console.model import NOTHING, RunScene, after_all
+from sojourn_console.ruts import deepest_of_each
+from sojourn_contract.run_table import row_named
+from sojourn_machine.params import FloatArray
+
+LEFT_BY = ("/odom", "/truth/contacts", "/truth/ground")
+"""Topics that leave traces in a scene."""
+BATCH = 4096
+"""Messages after which what is left is condensed."""
+
+
+class Traces(NamedTuple):
+    """Of a run.
+
+    Args:
+        track: places that the estimate has passed, (n, 3) [m]. passed: x, y and sinkage of what has touched the ground,
+            (n, 3) [m]. lowered: nodes of the ground that lie lower, x, y and by how much, (n, 3) [m].
+        newest: time of the last message of the bag [ns]; 0 without one, or where the bag has been finished: of a run
+            that goes on it is not then.
+    """
+
+    track: FloatArray
+    passed: FloatArray
+    lowered: FloatArray
+    newest: int
+
+    def save(self, stream: IO[bytes]) -> None:
+        """Write it."""
+        np.savez(stream, **self._asdict())
+
+    @classmethod
+    def load(cls, stream: IO[bytes]) -> "Traces":
+        """As it was saved. Raises ValueError for anything else."""
+        with np.load(stream, allow_pickle=False) as found:
+            return cls(found["track"], found["passed"], found["lowered"], int(found["newest"]))
+
+
+def traces_of(run: Path, until: int) -> Traces:
+    """What a run has left up to a time [ns]. Raises BagsError."""
+    bag = _GrowingBag(run)
+    heard = bag.messages(until)
+    scene, passed, lowered = RunScene(), NOTHING, NOTHING
+    while batch := list(islice(heard, BATCH)):
+        scene = after_all(scene, batch)
+        passed = deepest_of_each(np.concatenate([passed, *scene.passed]))
+        lowered = deepest_of_each(np.concatenate([lowered, *scene.lowered]))
+    return Traces(scene.track, passed, lowered, 0 if bag.is_finished else bag.newest)
+
+
+class _GrowingBag:
+    """A bag as far as it has been written."""
+
+    def __init__(self, run: Path) -> None:
+        self._salvage = BagSalvage(parts_of(run))
+        self.newest = 0
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether nothing more comes; known once all messages have been read."""
+        return self._salvage.whole
+
+    def messages(self, until: int) -> Iterator[FeedMessage]:
+        """What leaves traces, in the order of the bag, up to a time [ns]."""
+        rows = {}
+        for record in self._salvage.records:
+            if isinstance(record, Channel) and record.topic in LEFT_BY:
+                rows[record.id] = row_named(record.topic)
+            elif isinstance(record, Message):
+                self.newest = max(self.newest, record.log_time)
+                row = rows.get(record.channel_id)
+                if row is not None and record.log_time <= until:
+                    yield FeedMessage(row, record.data, record.log_time)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the traces of a run. Raises ConsoleError."""
+    run, until = sys.argv[1:] if arguments is None else arguments
+    try:
+        traces_of(Path(run), int(until)).save(sys.stdout.buffer)
+    except BagsError as error:
+        raise ConsoleError(str(error)) from error
+    return 0
+
+
+if __name__ == "__main__":
+    command_line.run_script(main)
