@@ -1,7 +1,7 @@
 """What a run has left behind before it is looked at: its way and its ruts, from its bag, which is still written.
 
-It is a program of its own, for a long bag keeps a core busy for a minute: `python -m sojourn_console.traces RUN NS`
-prints the `Traces` of a run up to a time [ns] as a file of numpy.
+It is a program of its own, for the bag of an hour keeps a core busy for half a minute:
+`python -m sojourn_console.traces RUN NS` prints the `Traces` of a run up to a time [ns] as a file of numpy.
 """
 
 import sys
