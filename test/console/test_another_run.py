@@ -81,6 +81,12 @@ def test_a_run_of_another_scenario_is_commanded_nothing_but_rest(bags: Path, lat
         assert [OTHER in one for one in told[2:]] == [False, False, True]
         assert not feed.said
         feed.jumped = True
+        point(latest, bags / "first")  # as it is where the new run is recorded elsewhere
+        show(page)
+        told.clear()
+        bench.commanding(client, lambda: "sent")
+        assert "does not say yet" in told[0] and "does not say yet" in note_of(page)
+        feed.jumped = True
         point(latest, bags / "same")
         show(page)
         told.clear()
@@ -94,13 +100,13 @@ def test_a_bag_that_is_not_there_yet_is_looked_for_again(bags: Path, latest: Pat
     run = AnotherRun(shown)
     run.begins()
     run.look(100.0)  # the folder still holds the bag of the run before
-    assert not run.refusal and "not known yet" in run.note
+    assert run.refusal.startswith(f"another run has begun, and {latest} does not say yet whether it is of short_run")
     latest.unlink()
     run.look(100.0 + AGAIN_S)
-    assert not run.refusal and "not known yet" in run.note
+    assert run.refusal.startswith(f"another run has begun, and {latest} does not say yet whether it is of short_run")
     latest.symlink_to(bags / "other")
     run.look(100.0 + 1.5 * AGAIN_S)
-    assert "not known yet" in run.note  # not with every look
+    assert "does not say yet" in run.refusal  # not with every look
     run.look(100.0 + 2.0 * AGAIN_S)
     assert run.refusal == OTHER and not run.note
 
@@ -113,7 +119,7 @@ def test_a_bag_that_is_cut_off_in_its_description_says_nothing_yet(latest: Path,
     run.begins()
     point(latest, tmp_path / "cut")
     run.look(0.0)
-    assert not run.refusal and "not known yet" in run.note
+    assert run.refusal.startswith(f"another run has begun, and {latest} does not say yet whether it is of short_run")
 
 
 def test_a_file_that_was_changed_is_another_run(bags: Path, latest: Path, shown: World, tmp_path: Path) -> None:

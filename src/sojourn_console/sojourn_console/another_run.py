@@ -33,10 +33,13 @@ class AnotherRun:
 
     def begins(self) -> None:
         """Another run has begun: which it is has to be found out."""
-        self.refusal, self._due = "", 0.0
-        self._is_asked = self._shown is not None
-        if self._is_asked:
-            self.note = f"another run has begun: whether it is of {self._name}, which is shown, is not known yet"
+        self.refusal = self.note = ""
+        self._is_asked, self._due = self._shown is not None, 0.0
+        if self._shown is not None:
+            self.refusal = (
+                f"another run has begun, and {self._shown.folder} does not say yet whether it is of {self._name}, "
+                "which is shown; if it is recorded elsewhere, start the console anew"
+            )
         else:
             self.note = f"another run has begun: what is shown is of {self._name}, with which the console was started"
 
@@ -53,7 +56,7 @@ class AnotherRun:
             return
         if before == after and found.is_file_of(shown):  # the new run is recorded elsewhere, if at all
             return
-        self._is_asked, self.note = False, ""
+        self._is_asked, self.refusal = False, ""
         if before != after:
             name = name_of(after)
             of = name_of(before) if name != name_of(before) else "this one before its files were changed"
