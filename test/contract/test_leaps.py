@@ -15,6 +15,7 @@ from sojourn_contract.delivery import Delivery
 from sojourn_contract.errors import LeapError
 from sojourn_contract.events import format_tick, parse_tick, rests_until
 from sojourn_contract.leaps import BEGIN, NO_LEAPS, Leaps, landing_grid, leaps_of
+from sojourn_contract.repeats import KEPT
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topics import ROLES, STANDARD, topic
 
@@ -73,6 +74,43 @@ def test_a_role_finds_the_leaps_by_what_it_hears(role: str, seed: int) -> None:
             due = {each.name: stamp_due(each, acted[-1], LEAPS) for each in awaited if is_due(each, acted[-1])}
             assert barrier.take() == {name: f"{name}@{at}" for name, at in due.items()}
     assert acted[1:] == [period for period in PERIODS if period % barrier.stride == 0]
+    assert barrier.leaps == LEAPS
+
+
+@pytest.mark.parametrize("role", ["sensors", "drive", "arm", "power", "operator"])
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_what_is_lost_is_no_leap_and_is_waited_for(role: str, seed: int) -> None:
+    """A bundle that was lost was taken for a leap: its period was passed over, and no role stood still for it."""
+    chance, awaited = Random(seed), awaited_inputs(role, ROLES)
+    barrier: Barrier[int] = Barrier(awaited, longest_leap=4 * GRID)
+    acted, lost, losses = [], list[int](), 0
+
+    def hear(period: int) -> None:
+        for row in awaited:
+            if period % row.every == 0 and barrier.lacks(row, period * CONTROL_PERIOD_NS):
+                barrier.offer(row, period * CONTROL_PERIOD_NS, period)
+        while barrier.is_complete():
+            acted.append(barrier.period)
+            barrier.take()
+
+    chained = {end for _, end in LEAPS.gaps} & {begin for begin, _ in LEAPS.gaps}  # lost they would not be missed
+    for place, period in enumerate(PERIODS):
+        near_a_leap = any(abs(period - edge) < 5 for gap in LEAPS.gaps for edge in gap)
+        if place and period not in chained and chance.random() < (0.5 if near_a_leap else 0.01):
+            lost.append(period)
+        else:
+            hear(period)
+        if lost and place - PERIODS.index(lost[0]) >= KEPT // 2:
+            missed = next((each for each in lost if each % barrier.stride == 0), LAST + 1)
+            assert all(each < missed for each in acted)  # it stands still
+            losses += len(lost)
+            for each in lost:
+                hear(each)
+            lost.clear()
+    for each in lost:
+        hear(each)
+    assert acted == [period for period in PERIODS if period % barrier.stride == 0] and losses
     assert barrier.leaps == LEAPS
 
 

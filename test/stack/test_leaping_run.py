@@ -5,16 +5,20 @@ from pathlib import Path
 
 import pytest
 
+from sojourn_bags.comparison import compare
 from sojourn_bags.comparison_result import Verdict
 from sojourn_bags.errors import ReplayError
 from sojourn_bags.judging import judge_bag
 from sojourn_bags.reading import read_bag
+from sojourn_bags.recorded_run import RecordedRun
 from sojourn_bags.replay_choices import ROLES_TO_REPLAY
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.decoding import stamp_of
 from sojourn_contract.leaps import BEGIN, landing_grid
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
+from sojourn_contract.topic_types import Topic
 from sojourn_operator.scenario_steps import prepare_scenario
 from sojourn_stack.apps import APPS
 from sojourn_stack.checkpoint import load, save
@@ -72,6 +76,43 @@ def test_a_gap_that_is_not_the_clocks_is_found(whole: tuple[Result, Path, list[S
     without = replace_without(odometry, place)
     report, _ = judge_bag(replace(bag, topics={**bag.topics, "/odom": without}))
     assert report.violations > 0
+
+
+def test_its_recorder_waits_for_what_is_lost(whole: tuple[Result, Path, list[StackState]], tmp_path: Path) -> None:
+    """What the plant says in the second period after the last landing comes late. It was taken for another leap, and
+    filed under a later period.
+    """
+    result, folder, _ = whole
+    bag, table, late = read_bag(folder), table_of(load_scenario(SCENARIO)), list[tuple[Topic, bytes]]()
+    lost = (result.state.leaps.gaps[-1][1] + 2) * CONTROL_PERIOD_NS
+    messages = (each for name, each in bag.topics.items() if name != "/tf")
+    said = sorted(
+        (place, at, each.topic, data)
+        for each in messages
+        for place, at, data in zip(each.places, each.log_times, each.data, strict=True)
+    )
+    recording = RecordedRun(SCENARIO, (), ROLES).open(tmp_path / "late", lambda name, reason: pytest.fail(reason))
+
+    def take(row: Topic, data: bytes) -> None:
+        recording.take(row, stamp_of(row.name, data), data)
+        while recording.collect():
+            pass
+        while recording.write_period():
+            pass
+
+    for _, at, name, data in said:
+        row = table.topic(name)
+        if at == lost and row.publisher == "plant":
+            late.append((row, data))
+            continue
+        take(row, data)
+        if at >= lost + 8 * CONTROL_PERIOD_NS:
+            while late:
+                take(*late.pop(0))
+    recording.finish({})
+    found = read_bag(tmp_path / "late")
+    assert compare(bag.topics, found.topics).verdict is Verdict.IDENTICAL
+    assert all(found[name].log_times == messages.log_times for name, messages in bag.topics.items())
 
 
 def replace_without(messages, place):  # type: ignore[no-untyped-def]

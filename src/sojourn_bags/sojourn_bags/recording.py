@@ -18,6 +18,7 @@ from sojourn_contract.decoding import refusing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.events import parse_tick
 from sojourn_contract.heartbeat import HEARTBEAT_PERIODS, read_heartbeats
+from sojourn_contract.leaps import LeapWatch
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.topics import ROLES
@@ -64,8 +65,8 @@ class Recording:
         earlier = {channel: onset.before.get(name, 0) for name, channel in self._channel_of.items()}
         self._periods = PeriodOrder(channels, ranks, HEARTBEAT_PERIODS, (onset.last, earlier), longest_leap)
         self._periods.leaps = onset.leaps
-        self._clock = 0 if longest_leap else None
-        """Last period that a clock which may leap has told; None of another."""
+        self._clock = LeapWatch() if longest_leap else None
+        """Of a clock that may leap, None of another."""
         self._window = WindowOrder()
         self._published = PublishedCounts()
         self._others = tuple(role for role in participants if role != RECORDER)
@@ -102,9 +103,9 @@ class Recording:
             if name == TICK:
                 self._announce(row, stamp, message)
             elif name == CLOCK and self._clock is not None:
-                before, self._clock = self._clock, stamp // CONTROL_PERIOD_NS
-                if before and self._clock > before + 1:
-                    self._periods.leap(before, self._clock)
+                leap = self._clock.hear(stamp // CONTROL_PERIOD_NS)
+                if leap is not None:
+                    self._periods.leap(*leap)
 
     def advance(self, now: int) -> None:
         """In real time: it is `now` [ns], by the clock of the plant."""

@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 
 from sojourn_contract.delivery import Delivery
 from sojourn_contract.errors import LeapError
-from sojourn_contract.leaps import NO_LEAPS, Leaps
+from sojourn_contract.leaps import NO_LEAPS, Leaps, LeapWatch
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topic_table import CLOCK, TopicTable
 from sojourn_contract.topic_types import Topic
@@ -81,14 +81,15 @@ class Barrier(Generic[Message]):
     _messages: dict[str, dict[int, Message]] = field(default_factory=dict, init=False)
     _pacer: str = field(default="", init=False)
     """Row whose stamps tell of a leap."""
-    _heard: int = field(default=0, init=False)
-    """Newest control period of it."""
+    _watch: LeapWatch = field(default_factory=LeapWatch, init=False)
+    """Of it."""
 
     def __post_init__(self) -> None:
         paces = [row.pace for row in self.awaited if row.name != CLOCK]
         self.stride = 1 if self.every_period or not paces else gcd(*paces)
         self.period = self.stride
         self._messages = {row.name: {} for row in self.awaited}
+        self._watch = LeapWatch(self.stride)
         if self.longest_leap and self.awaited and not self.every_period:
             self._pacer = next((row.name for row in self.awaited if row.every == self.stride and not row.lag), "")
             if not self._pacer:
@@ -142,9 +143,9 @@ class Barrier(Generic[Message]):
         """Keep a message until its period, None for one that is refused. Ask `refusal` first."""
         self._messages[row.name][stamp] = message
         if row.name == self._pacer:
-            before, self._heard = self._heard, max(self._heard, stamp // CONTROL_PERIOD_NS)
-            if before and self._heard > before + self.stride:
-                self._learn(before, self._heard)
+            leap = self._watch.hear(stamp // CONTROL_PERIOD_NS)
+            if leap is not None:
+                self._learn(*leap)
 
     def leap(self, begin: int, end: int) -> None:
         """Of a role that makes the time: after the control period `begin` comes `end`."""
@@ -155,7 +156,7 @@ class Barrier(Generic[Message]):
         self.leaps, self.period = leaps, 0
         self.period = self._next(period)
         landed = leaps.after(period) > period + 1  # of which its messages tell nothing new
-        self._heard = 0 if landed else period
+        self._watch = LeapWatch(self.stride, 0 if landed else period)
 
     def _learn(self, begin: int, end: int) -> None:
         self.leaps = self.leaps.with_leap(begin, end)

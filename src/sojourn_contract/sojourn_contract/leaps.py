@@ -5,12 +5,14 @@ lands at a multiple of all periods of the table, so that every role acts in the 
 end, and every row is due there. Nothing is said between.
 
 Who waits for a message that lags waits for the newest that the run has, `Leaps.newest`. Where the clock leaps nobody
-has to be told: messages of a topic come in their order and none is lost, so that a stamp beyond the next one of a row
-that comes at the pace of its listener tells him that all between are not in the run. In a run that does not ask for
-leaps the same gap is a fault, as ever.
+has to be told: messages of a topic come in their order, so that a stamp beyond the next one of a row that comes at the
+pace of its listener tells him that all between are not in the run (`LeapWatch`). A gap that does not go from a whole
+second to a whole second is none: what is lost there is waited for, and said again. In a run that does not ask for leaps
+any gap is a fault, as ever.
 """
 
 from bisect import bisect_left
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -21,7 +23,9 @@ from sojourn_contract.stamps import CONTROL_PERIOD_NS, seconds
 from sojourn_contract.topic_types import Topic
 
 BEGIN = 50
-"""A leap begins at a multiple of so many control periods."""
+"""A leap begins at a multiple of so many control periods, and lands at one."""
+REMEMBERED = 200
+"""Periods heard that are remembered: many times those that may be said again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +36,8 @@ class Leaps:
     """Control period before each of them and the one in which it lands, in their order."""
 
     def with_leap(self, begin: int, end: int) -> "Leaps":
-        """With another, after all that are known."""
-        return replace(self, gaps=(*self.gaps, (begin, end)))
+        """With another."""
+        return replace(self, gaps=tuple(sorted((*self.gaps, (begin, end)))))
 
     def newest(self, period: int, every: int = 1) -> int:
         """The newest control period, no later than this one, that the run has and that is a multiple of `every`; 0
@@ -83,6 +87,40 @@ class Leaps:
 
 NO_LEAPS = Leaps()
 """Of a run whose clock tells every period."""
+
+
+class LeapWatch:
+    """Tells a leap by the periods that are heard of one row, also where some are lost and said again. Where that in
+    which one leap lands and the next begins is lost, both are one.
+
+    Args:
+        stride: periods from one to the next where there is no leap. heard: the last one that was heard; 0: none.
+    """
+
+    def __init__(self, stride: int = 1, heard: int = 0) -> None:
+        self._stride = stride
+        self._heard = deque([heard] if heard else [], REMEMBERED)
+        """In their order, which is that of the run."""
+
+    def hear(self, period: int) -> tuple[int, int] | None:
+        """The period before a leap and the one in which it lands, if it is this one that tells of it."""
+        heard = self._heard
+        place = len(heard) if not heard or period > heard[-1] else bisect_left(heard, period)
+        before = heard[place - 1] if place else period
+        after = heard[place] if place < len(heard) else period
+        if place < len(heard):
+            if after == period or not place or self._is_leap(before, after):  # older than all that count, or told
+                return None
+            if len(heard) == REMEMBERED:
+                heard.popleft()
+                place -= 1
+            heard.insert(place, period)
+        else:
+            heard.append(period)
+        return next((gap for gap in ((before, period), (period, after)) if self._is_leap(*gap)), None)
+
+    def _is_leap(self, begin: int, end: int) -> bool:
+        return end > begin + self._stride and begin % BEGIN == 0 and end % BEGIN == 0
 
 
 def leaps_of(clock: Iterable[int]) -> Leaps:
