@@ -10,6 +10,7 @@ from typing import Any
 import dask
 import pytest
 from distributed import Client, Future, LocalCluster
+from distributed.comm import CommClosedError
 
 from sojourn_studies.campaign import cluster, rounds
 from sojourn_studies.campaign.carried import CarriedFiles
@@ -112,6 +113,24 @@ def test_it_stops_where_the_scheduler_is_gone(tmp_path: Path, monkeypatch: pytes
         with pytest.raises(CampaignError, match=r"the scheduler is gone; .*the same command"):
             rounds.carry_out(client, orders(100), CARRIED, take)
     assert 1 <= len(taken) < 100
+
+
+@pytest.mark.parametrize("error", [CommClosedError("Stream is closed"), AttributeError("gather")])
+def test_a_scheduler_that_goes_while_a_run_is_fetched_loses_no_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    """The run had a row that told of a closed stream."""
+
+    def result(future: Future) -> Any:
+        raise error
+
+    monkeypatch.setattr(rounds, "do", deadly(tmp_path, 1, kills=0))
+    taken: list[Finished] = []
+    with cluster.workers_here(1, tmp_path / "work") as client:
+        monkeypatch.setattr(Future, "result", result)
+        with pytest.raises(CampaignError, match="the scheduler is gone"):
+            rounds.carry_out(client, orders(2), CARRIED, taken.append)
+    assert not taken
 
 
 def taken_until_the_end(task: Task, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Finished]:

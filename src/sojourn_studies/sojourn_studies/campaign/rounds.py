@@ -21,6 +21,8 @@ from sojourn_studies.campaign.task import Finished, Order, do
 
 AHEAD = 2
 """Runs under way for each that a worker can take, so that none waits for the next; few, as kept bags wait in memory."""
+UNREACHED = (CancelledError, AttributeError, OSError)
+"""Errors of a client that has lost its scheduler, where they are not those of a run."""
 LOST_IN_A_ROW = 5
 """Runs lost one after the other, for each that the workers take at once, after which the campaign stops: a disk that is
 full for one run is full for the next, and a thousand rows that say so are no use."""
@@ -107,10 +109,11 @@ def _ended(
 
 
 def _outcome(future: Future, order: Order) -> _Ended:
-    try:  # not its status: a run that is done is to be done anew if its worker dies before it was fetched
+    """What a run came to, by fetching it: where its worker dies before that Dask does it anew, which is waited
+    for. Its status alone would not tell of that.
+    """
+    try:
         return _Ended(order, future.result(), killed=False)
-    except CancelledError:
-        raise SchedulerGoneError from None
     except NoWorkerError as error:
         raise CampaignError(f"for {error.timeout:.0f} s there was no worker; {GOES_ON}") from None
     except KilledWorker as error:
@@ -118,6 +121,8 @@ def _outcome(future: Future, order: Order) -> _Ended:
         reason = f"each of the {error.allowed_failures + 1} workers that had it died, the last of them {last}"
         return _Ended(order, _lost(order, reason), killed=True)
     except Exception as error:
+        if future.status != "error" and isinstance(error, UNREACHED):
+            raise SchedulerGoneError from None
         return _Ended(order, _lost(order, " ".join(str(error).split()) or type(error).__name__), killed=False)
 
 
