@@ -120,13 +120,18 @@ class LeapWatch:
         return next((gap for gap in ((before, period), (period, after)) if self._is_leap(*gap)), None)
 
     def _is_leap(self, begin: int, end: int) -> bool:
-        return end > begin + self._stride and begin % BEGIN == 0 and end % BEGIN == 0
+        return end > begin + self._stride and may_be_leap(begin, end)
+
+
+def may_be_leap(begin: int, end: int) -> bool:
+    """Whether a gap from one control period to another may be a leap."""
+    return begin % BEGIN == 0 and end % BEGIN == 0
 
 
 def leaps_of(clock: Iterable[int]) -> Leaps:
-    """Of a run, by the stamps of its clock [ns] in their order."""
+    """Of a run, by the stamps of its clock [ns] in their order; what the clock lacks besides is no leap."""
     periods = [stamp // CONTROL_PERIOD_NS for stamp in clock]
-    return Leaps(tuple((begin, end) for begin, end in pairwise(periods) if end > begin + 1))
+    return Leaps(tuple(gap for gap in pairwise(periods) if gap[1] > gap[0] + 1 and may_be_leap(*gap)))
 
 
 def landing_grid(rows: Iterable[Topic]) -> int:
