@@ -207,6 +207,28 @@ def test_a_route_goes_on_beside_one_from_here_that_was_refused(feed: DeafFeed) -
     assert [pose.position[0] for pose in feed.said[-1][1].poses] == [2.0]
 
 
+def test_a_goal_goes_on_beside_two_from_here_that_were_refused(feed: DeafFeed) -> None:
+    """Of the first of two within a second nothing is told."""
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    for _ in range(2):
+        feed.now += 1
+        desk.send(Draft("drive", ((900.0, 0.0, 0.0),)))
+    desk.look(drive_tells("refused", feed.now))
+    desk.look(driving := drive_tells("moving", stamp))  # of which nothing was told before
+    assert desk.pause(driving) == "drive paused"
+    assert desk.resume(drive_tells("stopped", stamp)) == "drive goes on"
+    assert feed.said[-1][1].position[0] == 1.0
+
+
+def test_a_goal_that_is_refused_after_all_is_not_under_way(feed: DeafFeed) -> None:
+    """As one is whose battery does not last any more."""
+    desk = CommandDesk(feed)
+    stamp = desk.send(Draft("drive", ((1.0, 0.0, 0.0),)))
+    desk.look(drive_tells("moving", stamp))
+    assert desk.pause(drive_tells("refused", stamp)) == "there is nothing under way"
+
+
 def test_the_arm_pauses_by_itself(feed: DeafFeed) -> None:
     desk = CommandDesk(feed)
     arm = RunScene(statuses={"/arm/status": {"state": "moving"}})

@@ -5,8 +5,9 @@ that have been passed. The arm knows one.
 """
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -24,6 +25,8 @@ PASSED = 0.6
 MOVING = "moving"
 ROLES = ("drive", "arm")
 """That are stopped, in the order of `stop_messages`."""
+MOST_EARLIER = 8
+"""Ways that are remembered for one that is refused."""
 STAMP_OF_NONE = "0"
 """Stamp of no goal, and of any that was sent without one."""
 
@@ -63,18 +66,19 @@ class CommandDesk:
     def __init__(self, mouth: Mouth) -> None:
         self._mouth = mouth
         self.driven: Sent | None = None
-        self._before: Sent | None = None
-        """What was driven when that was sent: it goes on where that is refused."""
+        self._earlier: tuple[Sent, ...] = ()
+        """Ways that were sent before it: one of them goes on where it is refused."""
         self._arm_is_paused = False
         self._told: dict[str, Mapping[str, str]] = {}
-        """Last status of each role but those that refuse: what was under way before a refusal goes on."""
+        """Last status of each role but those that refuse another goal: what was under way before that goes on."""
 
     def send(self, draft: Draft) -> int:
         """Send a goal. Returns its stamp [ns], by which its role reports on it. Raises GoalError."""
         stamp = self._mouth.now
         self._mouth.send(*draft.message(stamp))
         if draft.is_way:
-            self._before = self._accepted()
+            if self.driven is not None:
+                self._earlier = (*self._earlier, self.driven)[-MOST_EARLIER:]
             self.driven = Sent(draft, stamp)
         return stamp
 
@@ -116,7 +120,7 @@ class CommandDesk:
     def pause(self, scene: RunScene) -> str:
         """Come to rest, to go on. Returns what was paused, in words. Raises GoalError where the drive may move on."""
         self._hear(scene)
-        self.driven = self._accepted()
+        self._take_back_refused()
         paused = []
         problem = self._unpaused()
         if self._moves("drive") and self.driven is not None and not problem:
@@ -133,7 +137,7 @@ class CommandDesk:
     def resume(self, scene: RunScene) -> str:
         """Go on. Returns with what, in words. Raises GoalError where the drive was commanded otherwise since."""
         self._hear(scene)
-        self.driven = self._accepted()
+        self._take_back_refused()
         going, problem = [], ""
         if self.driven is not None and self.driven.is_paused:
             if self.is_told_of(self.driven, self._told["drive"]):
@@ -161,26 +165,35 @@ class CommandDesk:
         """See what is told, and which points of the way have been passed."""
         self._hear(scene)
         if scene.pose is not None:
-            self.driven, self._before = (_further(one, scene.pose) for one in (self.driven, self._before))
+            self._change(partial(_further, pose=scene.pose))
 
-    def _accepted(self) -> Sent | None:
-        """The way that was sent last, of those that are not refused."""
-        return self._before if self.driven is not None and self.driven.told == REFUSED else self.driven
+    def _change(self, change: Callable[[Sent], Sent]) -> None:
+        """Each way that was sent."""
+        self.driven = None if self.driven is None else change(self.driven)
+        self._earlier = tuple(change(one) for one in self._earlier)
+
+    def _take_back_refused(self) -> None:
+        """Where the way that was sent last is refused, that one of the earlier is driven of which the drive tells."""
+        if self.driven is not None and self.driven.told == REFUSED:
+            on = [one for one in self._earlier if self.is_told_of(one, self._told["drive"])]
+            self.driven = on[-1] if on else self.driven
 
     def _let_go(self) -> None:
         """Nothing of what was sent is to be paused, or to go on."""
-        self.driven = self._before = None
+        self.driven, self._earlier = None, ()
         self._arm_is_paused = False
 
     def _hear(self, scene: RunScene) -> None:
         """What drive and arm tell, and what of that is about the way that was sent last."""
         for role in ROLES:
-            status = scene.status(f"/{role}/status")
-            if role not in self._told or status.get("state") != REFUSED:
+            status, before = scene.status(f"/{role}/status"), self._told.get(role)
+            goal = status.get("goal_stamp", STAMP_OF_NONE)
+            # refused after all, a goal is over that was accepted before
+            is_same = before is not None and goal == before.get("goal_stamp") != STAMP_OF_NONE
+            if before is None or is_same or status.get("state") != REFUSED:
                 self._told[role] = status
-        drive, sent = scene.status("/drive/status"), self.driven
-        if sent is not None and self.is_told_of(sent, drive):
-            self.driven = replace(sent, told=drive.get("state", ""))
+        drive = scene.status("/drive/status")
+        self._change(lambda sent: replace(sent, told=drive.get("state", "")) if self.is_told_of(sent, drive) else sent)
 
     def _moves(self, role: str) -> bool:
         return self._told[role].get("state") == MOVING
@@ -196,9 +209,9 @@ class CommandDesk:
         return ""
 
 
-def _further(sent: Sent | None, pose: BasePose) -> Sent | None:
+def _further(sent: Sent, pose: BasePose) -> Sent:
     """A way with the point that is passed at a pose."""
-    if sent is None or sent.passed >= len(sent.draft.points):
+    if sent.passed >= len(sent.draft.points):
         return sent
     x, y = sent.draft.points[sent.passed][:2]
     is_near = math.hypot(pose.position[0] - x, pose.position[1] - y) < PASSED
