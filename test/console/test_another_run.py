@@ -96,14 +96,33 @@ def test_a_run_of_another_scenario_is_commanded_nothing_but_rest(bags: Path, lat
         page.close()
 
 
+@pytest.mark.parametrize("is_finished", [False, True])
+def test_a_run_that_is_heard_is_not_that_of_a_finished_bag(
+    bags: Path, latest: Path, tmp_path: Path, is_finished: bool
+) -> None:
+    """Started anew beside a run that is recorded elsewhere, the console went by the same bag of before again."""
+    writer = BagWriter(tmp_path / "before" / "bag", [], attachments(load_scenario(SHORT_RUN)))
+    if is_finished:
+        writer.close()
+    point(latest, tmp_path / "before")
+    run = AnotherRun(world_of_run(latest))
+    run.look(0.0, is_heard=False)
+    assert not run.refusal
+    run.look(0.1)
+    assert run.refusal.startswith(f"{latest} does not say yet") is is_finished
+    point(latest, bags / "same")
+    run.look(AGAIN_S + 0.2)
+    assert not run.refusal
+
+
 def test_a_bag_that_is_not_there_yet_is_looked_for_again(bags: Path, latest: Path, shown: World) -> None:
     run = AnotherRun(shown)
     run.begins()
     run.look(100.0)  # the folder still holds the bag of the run before
-    assert run.refusal.startswith(f"another run has begun, and {latest} does not say yet whether it is of short_run")
+    assert run.refusal.startswith(f"{latest} does not say yet whether the run that is heard is of short_run")
     latest.unlink()
     run.look(100.0 + AGAIN_S)
-    assert run.refusal.startswith(f"another run has begun, and {latest} does not say yet whether it is of short_run")
+    assert run.refusal.startswith(f"{latest} does not say yet whether the run that is heard is of short_run")
     latest.symlink_to(bags / "other")
     run.look(100.0 + 1.5 * AGAIN_S)
     assert "does not say yet" in run.refusal  # not with every look
@@ -119,7 +138,7 @@ def test_a_bag_that_is_cut_off_in_its_description_says_nothing_yet(latest: Path,
     run.begins()
     point(latest, tmp_path / "cut")
     run.look(0.0)
-    assert run.refusal.startswith(f"another run has begun, and {latest} does not say yet whether it is of short_run")
+    assert run.refusal.startswith(f"{latest} does not say yet whether the run that is heard is of short_run")
 
 
 def test_a_file_that_was_changed_is_another_run(bags: Path, latest: Path, shown: World, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from sojourn_bags.definitions import ChannelSpec, qos_entry
 from sojourn_bags.messages import Messages
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_bags.writer import BagWriter
-from sojourn_console import earlier
+from sojourn_console import beside, earlier
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.feed import FeedMessage
 from sojourn_console.gate import GuardedServer
@@ -83,8 +83,10 @@ def deepest(parts: tuple[np.ndarray, ...]) -> np.ndarray:
 
 def test_what_is_left_is_what_a_page_would_have_seen(recorded: Bag, running: Path, world: World) -> None:
     newest = read_bag(running)["/odom"].log_times[-1]
-    found, scene = traces_of(running, newest // 2), whole_scene(recorded, world, newest // 2)
-    assert len(found.track) > 1 and np.array_equal(found.track, scene.track)
+    found = traces_of(running, newest // 2)
+    track = whole_scene(recorded, world, newest // 2).track
+    assert len(found.track) > 1 and np.array_equal(found.track, track)
+    scene = whole_scene(read_bag(running), world, newest)  # each message tells what is new: there is no gap to the next
     assert len(found.passed) + len(found.lowered) > 10
     assert np.array_equal(found.passed, deepest(scene.passed))
     assert np.array_equal(found.lowered, deepest(scene.lowered))
@@ -113,8 +115,7 @@ def hear(page: Page, bag: Bag, place: int) -> int:
     feed.tell("/odom", decode(page.bench.world.table.topic("/odom"), messages.data[place]))
     page.look()
     page.look()
-    end = time.monotonic() + 60.0
-    while not page._earlier._is_read and time.monotonic() < end:
+    while not page._earlier._is_read:
         page.look()
         time.sleep(0.01)
     return messages.log_times[place]
@@ -138,13 +139,33 @@ def test_a_page_that_joins_late_shows_what_was_before(page: Page, recorded: Bag,
     assert not page.bench.failures.words()
 
 
-@pytest.mark.parametrize("place", [0, 30])
-def test_a_page_lays_nothing_of_another_run_under_it(page: Page, recorded: Bag, place: int) -> None:
-    """The bag in the folder goes further than the run that is heard: it is of one before, which was cut off."""
+@pytest.mark.parametrize(("place", "behind_s"), [(150, 30.0), (-1, 0.01)], ids=["ahead", "behind"])
+def test_a_page_lays_nothing_of_another_run_under_it(
+    page: Page, recorded: Bag, monkeypatch: pytest.MonkeyPatch, place: int, behind_s: float
+) -> None:
+    """The bag in the folder goes further than the run that is heard, or not as far: it is of one that was cut off."""
+    monkeypatch.setattr(earlier, "BEHIND_NS", round(behind_s * 1e9))
+    started, start = [], beside.start
+    monkeypatch.setattr(beside, "start", lambda *words, **pipes: started.append(words) or start(*words, **pipes))
     hear(page, recorded, place)
     for _ in range(3):
         page.look()
-    assert len(page.bench.scene.track) == 1 and ruts_of(page) == 0
+    assert started and len(page.bench.scene.track) == 1 and ruts_of(page) == 0
+
+
+@pytest.mark.parametrize("what", ["start", "read"])
+def test_a_page_goes_on_where_traces_cannot_be_read(
+    page: Page, recorded: Bag, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    """It is tried once, and the page says so."""
+
+    def fails(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(*((beside, "start") if what == "start" else (Traces, "load")), fails)
+    hear(page, recorded, 150)
+    assert page._earlier._reader is None
+    assert len(page.bench.failures.words()) == 1 and "No space left" in page.bench.failures.words()[0]
 
 
 def test_traces_are_read_as_they_were_saved(tmp_path: Path) -> None:

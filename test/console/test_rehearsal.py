@@ -134,7 +134,7 @@ def test_what_depends_on_the_cameras_noise_is_told_as_a_spread() -> None:
     assert rows["driven"].endswith("in 100 s") and rows["energy"] == "3.00 Wh (3.00 to 3.90)"
     rehearser.looks = (*rehearser.looks, replace(drive, look=2, state="refused", time_s=20.0, energy_wh=0.5))
     rows = dict(rehearsal_rows(rehearser))
-    assert rows[RECKONED] == "reached in 2, refused in 1 of 3" and rows["energy"] == "3.00 Wh (3.00 to 3.90)"
+    assert rows[RECKONED] == "reached in 2 of 3; refused in 1 of 3" and rows["energy"] == "3.00 Wh (3.00 to 3.90)"
 
 
 def test_what_is_told_first_is_in_the_middle_of_all_looks_that_end_alike() -> None:

@@ -8,13 +8,14 @@ number.
 import re
 from collections.abc import Hashable, Iterator
 from dataclasses import replace
+from io import SEEK_END
 from pathlib import Path
 
 from mcap.records import Channel, Header, McapRecord, Message, Metadata, Schema
 
 from sojourn_bags.errors import UnreadableBagError
 from sojourn_bags.part_ties import PART_RECORD, PartTies
-from sojourn_bags.salvage import Salvage
+from sojourn_bags.salvage import MAGIC, Salvage
 
 _NUMBERED = re.compile(r"(.*)_(\d+)\.mcap")
 
@@ -33,6 +34,16 @@ def parts_of(path: Path) -> tuple[Path, ...]:
         if files:
             return _in_order(path, files)
     raise UnreadableBagError(path, "there is no such file or folder, or no MCAP file in it")
+
+
+def is_finished(path: Path) -> bool:
+    """Whether nothing more comes to a bag: its last file has an end. What cannot be read is not finished."""
+    try:
+        with parts_of(path)[-1].open("rb") as stream:
+            stream.seek(-len(MAGIC), SEEK_END)
+            return stream.read() == MAGIC
+    except (UnreadableBagError, OSError):
+        return False
 
 
 def _in_order(path: Path, files: list[Path]) -> tuple[Path, ...]:

@@ -1,4 +1,4 @@
-"""Whether a run that has begun anew on the domain is of the world that is shown.
+"""Whether a run that is heard, or that has begun anew on the domain, is of the world that is shown.
 
 A page is made for one machine on one ground. What is commanded by its picture to a run of another scenario goes where
 nobody has looked: only what brings a machine to rest may be said to it.
@@ -8,6 +8,7 @@ import json
 from collections.abc import Mapping
 
 from sojourn_bags.definitions import CONFIGURATION_NAME
+from sojourn_bags.parts import is_finished
 from sojourn_console.errors import NoWorldError
 from sojourn_console.world import RunFiles, World, recorded_run
 
@@ -21,6 +22,8 @@ class AnotherRun:
     Args:
         world: that is shown.
 
+    A run that is heard is not the one by whose bag the world was made, if that bag is finished.
+
     Attributes:
         refusal: why nothing is commanded but rest, in words; empty where anything may be.
         note: what is to be known of the run besides, in words.
@@ -28,24 +31,31 @@ class AnotherRun:
 
     def __init__(self, world: World) -> None:
         self._shown, self._name = world.run, world.scenario.name
-        self._is_asked, self._due = False, 0.0
+        self._is_heard, self._is_asked, self._due = False, False, 0.0
         self.refusal = self.note = ""
 
     def begins(self) -> None:
         """Another run has begun: which it is has to be found out."""
+        self._ask()
+        if self._shown is None:
+            self.note = f"another run has begun: what is shown is of {self._name}, with which the console was started"
+
+    def _ask(self) -> None:
         self.refusal = self.note = ""
         self._is_asked, self._due = self._shown is not None, 0.0
         if self._shown is not None:
             self.refusal = (
-                f"another run has begun, and {self._shown.folder} does not say yet whether it is of {self._name}, "
-                "which is shown; if it is recorded elsewhere, start the console anew"
+                f"{self._shown.folder} does not say yet whether the run that is heard is of {self._name}, which is "
+                "shown; if it is recorded elsewhere, start the console anew with its scenario or its --run-dir"
             )
-        else:
-            self.note = f"another run has begun: what is shown is of {self._name}, with which the console was started"
 
-    def look(self, now: float) -> None:
-        """See at a wall time [s] whether the folder of the run says which it is."""
+    def look(self, now: float, is_heard: bool = True) -> None:
+        """See at a wall time [s] whether the folder of the run says which it is. is_heard: a run at all."""
         shown = self._shown
+        if is_heard and not self._is_heard:
+            self._is_heard = True
+            if shown is not None and is_finished(shown.folder):
+                self._ask()
         if not self._is_asked or shown is None or now < self._due:
             return
         self._due = now + AGAIN_S

@@ -1,8 +1,6 @@
 """Has read beside the page what the run left behind before the page heard it, and lays it under what is heard since."""
 
-import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sojourn_console import beside
 from sojourn_console.model import TRACK, RunScene
 from sojourn_console.traces import Traces
 from sojourn_machine.params import FloatArray
@@ -29,7 +28,6 @@ FIRST_NS = 2_000_000_000
 """What is heard from before this time on has left nothing [ns of simulation]."""
 PORTION = 500
 """Places of ruts that are laid under a scene at a time: pressing them into the ground takes some 20 ms."""
-_NICE = 10
 
 
 class _Ruts(NamedTuple):
@@ -64,10 +62,14 @@ class EarlierTraces:
             self._until, self._due = scene.stamp, now + WAIT_S
             self._is_read = 0 < scene.stamp < FIRST_NS
         elif self._reader is None and now > self._due:
+            self._is_read = True  # whatever becomes of it
             self._reader = _Reader(self._folder, self._until)
+            self._is_read = False
         elif self._reader is not None and self._reader.is_done:
-            found = self._reader.found()
-            self.close()
+            try:
+                found = self._reader.found()
+            finally:
+                self.close()
             if found is not None and self._until - BEHIND_NS <= found.newest <= scene.stamp + AHEAD_NS:
                 self._ruts = _portions(found)
                 return replace(scene, track=np.concatenate([found.track, scene.track])[-TRACK:])
@@ -104,8 +106,8 @@ class _Reader:
 
     def __init__(self, folder: Path, until: int) -> None:
         self._output = tempfile.TemporaryFile()  # noqa: SIM115 - as long as the program
-        command = ["nice", "-n", str(_NICE), sys.executable, "-m", MODULE, str(folder), str(until)]
-        self._program = subprocess.Popen(command, env=dict(os.environ), stdin=subprocess.DEVNULL, stdout=self._output)
+        words = str(folder), str(until)
+        self._program = beside.start(MODULE, words, stdin=subprocess.DEVNULL, stdout=self._output)
 
     @property
     def is_done(self) -> bool:

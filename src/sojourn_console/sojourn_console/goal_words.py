@@ -39,13 +39,15 @@ def _found_rows(found: RehearsedDrive | None, looks: Sequence[RehearsedDrive] = 
     if found is None:
         return []
     same = alike(looks) if looks else [found]
-    state = found.state if found.is_over else f"{found.time_s:.0f} s so far"
-    if len(same) < len(looks):
-        state = ", ".join(f"{end} in {count}" for end, count in ends(looks)) + f" of {len(looks)}"
+    end = found.state if found.is_over else f"{found.time_s:.0f} s so far"
+    counted = (
+        [f"{state} in {count} of {len(looks)}" for state, count in ends(looks)] if len(same) < len(looks) else [end]
+    )
+    first = f"{counted[0]}: {found.reason}" if found.reason else counted[0]
     charge = f", charge {found.charge:.1%}, {found.mode.lower()}" if math.isfinite(found.charge) else ""
     slip = f", slip {found.slip:.0%}" if found.means == SIMULATED else ""
     return [
-        (found.means, f"{state}: {found.reason}" if found.reason else state),
+        (found.means, "; ".join([first, *counted[1:]])),
         ("driven", f"{found.length_m:.2f} m in {found.time_s:.0f} s{_spread('time_s', same, '.0f')}"),
         ("energy", f"{found.energy_wh:.2f} Wh{_spread('energy_wh', same, '.2f')}{charge}"),
         ("worst", f"tilt {found.tilt_deg:.1f}°{slip}"),

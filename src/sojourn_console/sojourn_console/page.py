@@ -126,7 +126,7 @@ class Page:
             for panel in panels:
                 with failures.of(_part(panel)):
                     panel.hear(heard)
-            bench.another_run.look(time.monotonic())
+            bench.another_run.look(time.monotonic(), bench.scene.stamp > 0)
             self._count += 1
             with bench.server.atomic():
                 for panel in [self._scene_panel, *(panels if self._count % SLOW == 0 else ())]:

@@ -2,16 +2,14 @@
 
 import contextlib
 import json
-import os
 import subprocess
-import sys
 import threading
 from collections.abc import Sequence
 
+from sojourn_console import beside
 from sojourn_console.rehearsed import RECKONED, RehearsedDrive, middle
 
 MODULE = "sojourn_console.rehearsal"
-_NICE = 10
 _WORDS = 300
 """Of what a program that failed has said, the first letters."""
 
@@ -36,14 +34,8 @@ class Rehearser:
     def prepare(self) -> None:
         """Have a program ready that has loaded what it needs; it ends with whoever has it."""
         if self._ready is None or self._ready.poll() is not None:
-            self._ready = subprocess.Popen(
-                ["nice", "-n", str(_NICE), sys.executable, "-m", MODULE],
-                env=dict(os.environ),
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                text=True,
-            )
+            pipe = subprocess.PIPE
+            self._ready = beside.start(MODULE, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
 
     def begin(self, scenario: str, overrides: Sequence[str]) -> None:
         """Rehearse from a scenario with what goes over its files."""

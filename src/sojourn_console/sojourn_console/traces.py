@@ -1,7 +1,7 @@
 """What a run has left behind before it is looked at: its way and its ruts, from its bag, which is still written.
 
 It is a program of its own, for the bag of an hour keeps a core busy for half a minute:
-`python -m sojourn_console.traces RUN NS` prints the `Traces` of a run up to a time [ns] as a file of numpy.
+`python -m sojourn_console.traces RUN NS` prints the `Traces` of a run, its way up to a time [ns], as a file of numpy.
 """
 
 import sys
@@ -23,7 +23,8 @@ from sojourn_console.ruts import deepest_of_each
 from sojourn_contract.run_table import row_named
 from sojourn_machine.params import FloatArray
 
-LEFT_BY = ("/odom", "/truth/contacts", "/truth/ground")
+WAY = "/odom"
+LEFT_BY = (WAY, "/truth/contacts", "/truth/ground")
 """Topics that leave traces in a scene."""
 BATCH = 4096
 """Messages after which what is left is condensed."""
@@ -50,13 +51,17 @@ class Traces(NamedTuple):
 
     @classmethod
     def load(cls, stream: IO[bytes]) -> "Traces":
-        """As it was saved. Raises ValueError for anything else."""
+        """As it was saved."""
         with np.load(stream, allow_pickle=False) as found:
             return cls(found["track"], found["passed"], found["lowered"], int(found["newest"]))
 
 
 def traces_of(run: Path, until: int) -> Traces:
-    """What a run has left up to a time [ns]. Raises BagsError."""
+    """What a run has left: its way up to a time [ns], its ruts as far as they are written. Raises BagsError.
+
+    Of its way the rest is heard. Of ruts it may be that some messages after that time are not: who listens is found
+    topic by topic, and each tells what is new alone.
+    """
     bag = _GrowingBag(run)
     heard = bag.messages(until)
     scene, passed, lowered = RunScene(), NOTHING, NOTHING
@@ -80,7 +85,7 @@ class _GrowingBag:
         return self._salvage.whole
 
     def messages(self, until: int) -> Iterator[FeedMessage]:
-        """What leaves traces, in the order of the bag, up to a time [ns]."""
+        """What leaves traces, in the order of the bag; the way up to a time [ns]."""
         rows = {}
         for record in self._salvage.records:
             if isinstance(record, Channel) and record.topic in LEFT_BY:
@@ -88,7 +93,7 @@ class _GrowingBag:
             elif isinstance(record, Message):
                 self.newest = max(self.newest, record.log_time)
                 row = rows.get(record.channel_id)
-                if row is not None and record.log_time <= until:
+                if row is not None and (row.name != WAY or record.log_time <= until):
                     yield FeedMessage(row, record.data, record.log_time)
 
 
