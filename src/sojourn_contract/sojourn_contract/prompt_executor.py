@@ -50,9 +50,8 @@ class PromptExecutor:
         if self._probe is not None and not self._probe.done():
             self._begin_anew()
         self._probed_at = time.monotonic()
-        self._probe = self._events.create_task(
-            _nothing
-        )  # a queue that is thrown away never lets it go, nor what it has
+        # of nothing else: a queue that is thrown away never lets it go, nor what it has
+        self._probe = self._events.create_task(_nothing)
 
     def shutdown(self) -> None:
         """Let all nodes go."""
