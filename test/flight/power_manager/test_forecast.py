@@ -14,7 +14,7 @@ from sojourn_config.expected_light import expected_light
 from sojourn_config.scenario import LoadedScenario, load_scenario
 from sojourn_flight.power_manager import law
 from sojourn_flight.power_manager.activities import Activities, ActivityParams
-from sojourn_flight.power_manager.forecast import COLUMNS, Forecaster, Known, PowerForecast
+from sojourn_flight.power_manager.forecast import COLUMNS, LOOKS_APART, Forecaster, Known, PowerForecast
 from sojourn_flight.power_manager.params import PowerManagerParams
 from sojourn_flight.power_manager.preview import Preview
 from sojourn_flight.power_manager.reading import StoreReading
@@ -191,3 +191,28 @@ def test_the_plan_is_checked_with_the_scenario() -> None:
         load_scenario("flat_drive", ["activities=[{load: drives, power_w: 10.0, start_h: 0.0, hours: 1.0}]"])
     params: PowerManagerParams = EXPLORER.power_manager
     assert math.isclose(params.law.forecast.hours, 24.0)
+
+
+def test_light_is_asked_for_once_and_what_has_passed_is_not_kept() -> None:
+    """For a day it was kept, with that of the hours ahead: by two megabytes and a half the node grew."""
+    scenario = load_scenario("flat_drive", [f"machine={SOLAR}", *MARS])
+    params = scenario.power_manager
+    settings = params.law.forecast.model_copy(update={"hours": 2.0})
+    params = params.model_copy(update={"law": params.law.model_copy(update={"forecast": settings})})
+    light, asked = expected_light(scenario.as_believed()), list[float]()
+
+    def around(time: float) -> PowerSurroundings:
+        asked.append(time)
+        return light(time)
+
+    forecaster = Forecaster(params, (), around)
+    known = Known(0.0, law.initial_state(params, 0.9), telemetry(scenario, 0.9))
+    looks_in_a_step, hours = round(settings.step / LOOKS_APART), 5
+    for look in range(60 * hours):
+        if look == looks_in_a_step:
+            asked.clear()
+        forecaster.forecast(known._replace(time=round(LOOKS_APART * look * 1e9) * 1e-9))
+    ends = 3 * (60 * hours - looks_in_a_step)  # of each look the end of its hours, and what a last bit makes another
+    assert ends <= len(asked) < 1.3 * ends
+    live = settings.count * looks_in_a_step
+    assert all(preview.around.cache_info().currsize < 1.3 * live + 64 for preview in forecaster._previews)

@@ -8,6 +8,7 @@ The bounds are not a probability: they are what the machine comes to where all e
 be, and all in one direction.
 """
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
@@ -17,6 +18,7 @@ import numpy as np
 
 from sojourn_flight.power_manager.activities import SECONDS_PER_HOUR, Activities, ActivityParams
 from sojourn_flight.power_manager.array_belief import ArrayBelief, with_clean
+from sojourn_flight.power_manager.forecast_params import ForecastParams
 from sojourn_flight.power_manager.law import PowerManagerState
 from sojourn_flight.power_manager.modes import SleepState
 from sojourn_flight.power_manager.params import PowerManagerParams
@@ -31,8 +33,10 @@ from sojourn_machine.power.power_params import PowerParams
 from sojourn_machine.power.surroundings import PowerSurroundings
 from sojourn_machine.thermal.machine_heat import HeatState
 
-MOMENTS = 4096
-"""That are kept of light and warmth: a look asks for the hours that those before it asked for."""
+LOOKS_APART = 60.0
+"""Time from one look to the next [s]."""
+MOST_MOMENTS = 4096
+"""That are kept of light and warmth, see `_moments`."""
 COLUMNS = ("charge", "charge_low", "charge_high", "offered_w", "used_w")
 """Of a forecast: charge of all stores as expected and its bounds [1], the most that all sources could give and what all
 loads take, as expected [W]."""
@@ -90,16 +94,16 @@ class Forecaster:
         warmth: Warmth | None = None,
     ) -> None:
         self._params, self._settings = params, params.law.forecast
-        planned = Activities(params, activities)
+        planned, kept = Activities(params, activities), lru_cache(_moments(self._settings))
         more, brighter = self._settings.load_error, self._settings.light_error
         if warmth is not None:
-            warmth = warmth._replace(around=lru_cache(MOMENTS)(warmth.around))
+            warmth = warmth._replace(around=kept(warmth.around))
         self._previews = tuple(
             Preview(
                 params,
                 PowerNetwork(_with_loads(params.power, 1.0 + sign * more)),
                 planned.times(1.0 + sign * more),
-                lru_cache(MOMENTS)(_brighter(around, 1.0 - sign * brighter)),
+                kept(_brighter(around, 1.0 - sign * brighter)),
                 warmth,
             )
             for sign in (0.0, 1.0, -1.0)
@@ -215,6 +219,15 @@ def limit_text(step: PreviewStep) -> str:
     if step.network.brownout:
         return "a bus cannot give what is asked of it"
     return f"{step.manager.mode} ({step.manager.mode_reason})"
+
+
+def _moments(settings: ForecastParams) -> int:
+    """Moments of light and warmth that are kept. A look asks for those of the look one step before it, and one more:
+    so many as there are in the hours ahead of all looks in a step, and a quarter for what is asked of the present. With
+    more of them, those that have passed would be kept, and memory would grow for days.
+    """
+    looks = max(math.ceil(settings.step / LOOKS_APART), 1)
+    return min(5 * settings.count * looks // 4 + 64, MOST_MOMENTS)
 
 
 def _brighter(around: Around, factor: float) -> Around:
