@@ -26,6 +26,7 @@ APART = 40
 """Periods that one publisher is ahead of a role at most."""
 PERIODS = [period for period in range(1, LAST + 1) if not any(a < period < b for a, b in LEAPS.gaps)]
 """Those that the run has, one by one."""
+who_waits = pytest.mark.parametrize("role", ["sensors", "drive", "arm", "power", "operator"])
 
 
 @st.composite
@@ -55,7 +56,7 @@ def test_what_is_asked_of_leaps_is_what_the_list_of_periods_says(
     assert known == Leaps(tuple(gap for gap in leaps.gaps if not gap[0] % BEGIN and not gap[1] % BEGIN))
 
 
-@pytest.mark.parametrize("role", ["sensors", "drive", "arm", "power", "operator"])
+@who_waits
 @settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 2**32))
 def test_a_role_finds_the_leaps_by_what_it_hears(role: str, seed: int) -> None:
@@ -78,7 +79,7 @@ def test_a_role_finds_the_leaps_by_what_it_hears(role: str, seed: int) -> None:
     assert barrier.leaps == LEAPS
 
 
-@pytest.mark.parametrize("role", ["sensors", "drive", "arm", "power", "operator"])
+@who_waits
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 2**32))
 def test_what_is_lost_is_no_leap_and_is_waited_for(role: str, seed: int) -> None:

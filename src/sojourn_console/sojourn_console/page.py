@@ -28,6 +28,7 @@ from sojourn_console.panels.sequence import SequencePanel
 from sojourn_console.panels.telemetry_panel import TelemetryPanel
 from sojourn_console.panels.time_line import TimeLinePanel
 from sojourn_console.sequence_board import SequenceBoard
+from sojourn_console.traces import LEFT_BY
 from sojourn_console.uplink import Uplink
 from sojourn_console.views.all_views import VIEWS
 from sojourn_console.views.ground_view import GroundView
@@ -50,7 +51,7 @@ PANELS: tuple[type[Panel], ...] = (GoalsPanel, SequencePanel, AlarmsPanel, Telem
 """Tabs besides that of the scene, in their order."""
 IN_FULL = ("/diagnostics", "/truth/ground")
 """Of them every message counts: all nodes beat at one time, and the ground tells what is new since the one before."""
-IN_FULL_OF_A_BAG = (*IN_FULL, "/odom", "/truth/contacts")
+IN_FULL_OF_A_BAG = (*IN_FULL, *LEFT_BY)
 """Of what leaves traces every message counts where time may jump."""
 
 
@@ -126,7 +127,7 @@ class Page:
             for panel in panels:
                 with failures.of(_part(panel)):
                     panel.hear(heard)
-            bench.another_run.look(time.monotonic(), bench.scene.stamp > 0)
+            bench.another_run.look(time.monotonic(), scene.stamp > 0)
             self._count += 1
             with bench.server.atomic():
                 for panel in [self._scene_panel, *(panels if self._count % SLOW == 0 else ())]:

@@ -14,7 +14,7 @@ import numpy as np
 from mcap.records import Channel, Message
 
 from sojourn_bags.errors import BagsError
-from sojourn_bags.parts import BagSalvage, parts_of
+from sojourn_bags.parts import BagSalvage, is_finished, parts_of
 from sojourn_config import command_line
 from sojourn_console.errors import ConsoleError
 from sojourn_console.feed import FeedMessage
@@ -36,8 +36,8 @@ class Traces(NamedTuple):
     Args:
         track: places that the estimate has passed, (n, 3) [m]. passed: x, y and sinkage of what has touched the ground,
             (n, 3) [m]. lowered: nodes of the ground that lie lower, x, y and by how much, (n, 3) [m].
-        newest: time of the last message of the bag [ns]; 0 without one, or where the bag has been finished: of a run
-            that goes on it is not then.
+        newest: time of the last message of the bag [ns]; 0 without one, or where the bag is finished: of a run that
+            goes on it is not then.
     """
 
     track: FloatArray
@@ -69,7 +69,7 @@ def traces_of(run: Path, until: int) -> Traces:
         scene = after_all(scene, batch)
         passed = deepest_of_each(np.concatenate([passed, *scene.passed]))
         lowered = deepest_of_each(np.concatenate([lowered, *scene.lowered]))
-    return Traces(scene.track, passed, lowered, 0 if bag.is_finished else bag.newest)
+    return Traces(scene.track, passed, lowered, 0 if is_finished(run) else bag.newest)
 
 
 class _GrowingBag:
@@ -78,11 +78,6 @@ class _GrowingBag:
     def __init__(self, run: Path) -> None:
         self._salvage = BagSalvage(parts_of(run))
         self.newest = 0
-
-    @property
-    def is_finished(self) -> bool:
-        """Whether nothing more comes; known once all messages have been read."""
-        return self._salvage.whole
 
     def messages(self, until: int) -> Iterator[FeedMessage]:
         """What leaves traces, in the order of the bag; the way up to a time [ns]."""

@@ -81,7 +81,7 @@ class Barrier(Generic[Message]):
     _messages: dict[str, dict[int, Message]] = field(default_factory=dict, init=False)
     _pacer: str = field(default="", init=False)
     """Row whose stamps tell of a leap."""
-    _watch: LeapWatch = field(default_factory=LeapWatch, init=False)
+    _watch: LeapWatch = field(init=False)
     """Of it."""
 
     def __post_init__(self) -> None:

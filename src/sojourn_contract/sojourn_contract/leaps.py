@@ -12,7 +12,6 @@ any gap is a fault, as ever.
 """
 
 from bisect import bisect_left
-from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -99,24 +98,19 @@ class LeapWatch:
 
     def __init__(self, stride: int = 1, heard: int = 0) -> None:
         self._stride = stride
-        self._heard = deque([heard] if heard else [], REMEMBERED)
+        self._heard = [heard] if heard else []
         """In their order, which is that of the run."""
 
     def hear(self, period: int) -> tuple[int, int] | None:
         """The period before a leap and the one in which it lands, if it is this one that tells of it."""
         heard = self._heard
-        place = len(heard) if not heard or period > heard[-1] else bisect_left(heard, period)
+        place, is_late = bisect_left(heard, period), bool(heard) and period <= heard[-1]
         before = heard[place - 1] if place else period
-        after = heard[place] if place < len(heard) else period
-        if place < len(heard):
-            if after == period or not place or self._is_leap(before, after):  # older than all that count, or told
-                return None
-            if len(heard) == REMEMBERED:
-                heard.popleft()
-                place -= 1
-            heard.insert(place, period)
-        else:
-            heard.append(period)
+        after = heard[place] if is_late else period
+        if is_late and (after == period or not place or self._is_leap(before, after)):  # older than all, or told
+            return None
+        heard.insert(place, period)
+        del heard[:-REMEMBERED]
         return next((gap for gap in ((before, period), (period, after)) if self._is_leap(*gap)), None)
 
     def _is_leap(self, begin: int, end: int) -> bool:

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from sojourn_config.expected_heat import heat_at_start
 from sojourn_config.expected_light import expected_light
 from sojourn_config.scenario import LoadedScenario, load_scenario
+from sojourn_contract.stamps import CONTROL_PERIOD_S
+from sojourn_contract.topics import topic
 from sojourn_flight.power_manager import law
 from sojourn_flight.power_manager.activities import Activities, ActivityParams
 from sojourn_flight.power_manager.forecast import COLUMNS, LOOKS_APART, Forecaster, Known, PowerForecast
@@ -216,3 +218,7 @@ def test_light_is_asked_for_once_and_what_has_passed_is_not_kept() -> None:
     assert ends <= len(asked) < 1.3 * ends
     live = settings.count * looks_in_a_step
     assert all(preview.around.cache_info().currsize < 1.3 * live + 64 for preview in forecaster._previews)
+
+
+def test_a_look_comes_with_each_forecast_that_is_told() -> None:
+    assert topic("/power/forecast").every * CONTROL_PERIOD_S == LOOKS_APART

@@ -8,6 +8,7 @@ import logging
 import os
 import sys
 from collections.abc import Iterator, Mapping
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ from sojourn_machine import arithmetic
 from sojourn_studies.campaign.alike import Versions, check_alike
 from sojourn_studies.campaign.errors import SchedulerGoneError, WorkerError
 
+UNREACHED = (CancelledError, AttributeError, OSError)
+"""Errors of a client that has lost its scheduler, where they are not those of a run: it may ask None for one."""
 CONNECT_S = 20.0
 """Wall time within which a scheduler must answer [s]."""
 _QUIET = {
@@ -93,7 +96,7 @@ def threads(client: Client) -> int:
     """How many runs the workers take at once. Raises SchedulerGoneError."""
     try:
         found = client.nthreads()
-    except (AttributeError, OSError):  # a client that has lost its scheduler asks None
+    except UNREACHED:
         raise SchedulerGoneError from None
     return max(sum(found.values()), 1)
 

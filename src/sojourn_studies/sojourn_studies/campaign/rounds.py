@@ -6,7 +6,6 @@ only beside a deadly run has its row, and the deadly one is lost.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import CancelledError
 from itertools import islice
 from typing import Any, NamedTuple, NoReturn
 
@@ -14,15 +13,13 @@ from distributed import Client, Future, KilledWorker, as_completed
 from distributed.scheduler import NoWorkerError
 
 from sojourn_studies.campaign.carried import CarriedFiles
-from sojourn_studies.campaign.cluster import threads
+from sojourn_studies.campaign.cluster import UNREACHED, threads
 from sojourn_studies.campaign.errors import GOES_ON, CampaignError, SchedulerGoneError
 from sojourn_studies.campaign.row import LOST, unfinished_row
 from sojourn_studies.campaign.task import Finished, Order, do
 
 AHEAD = 2
 """Runs under way for each that a worker can take, so that none waits for the next; few, as kept bags wait in memory."""
-UNREACHED = (CancelledError, AttributeError, OSError)
-"""Errors of a client that has lost its scheduler, where they are not those of a run."""
 LOST_IN_A_ROW = 5
 """Runs lost one after the other, for each that the workers take at once, after which the campaign stops: a disk that is
 full for one run is full for the next, and a thousand rows that say so are no use."""
