@@ -13,7 +13,7 @@ from typing import IO, Protocol, Self
 
 from sojourn_bringup.child_process import dying_with_us
 from sojourn_bringup.plan import RunPlan
-from sojourn_bringup.process_memory import memory_mb
+from sojourn_bringup.process_state import is_stopped, memory_mb
 from sojourn_bringup.process_table import process
 from sojourn_config.ros_environment import foreign_environment, is_ours, own_environment
 
@@ -102,10 +102,9 @@ class Child:
     def is_stopped(self) -> bool:
         """Whether it has been stopped, by SIGSTOP or a debugger, and could go on."""
         try:
-            text = Path(f"/proc/{self.pid}/stat").read_text()
+            return is_stopped(self.pid)
         except OSError:
             return False
-        return text.rpartition(")")[2].split()[0] in ("T", "t")
 
     def send(self, number: signal.Signals) -> None:
         """Send a signal to it and to whatever it has started."""

@@ -17,7 +17,7 @@ import numpy as np
 import rich
 
 from sojourn_bags.reading import read_bag
-from sojourn_bringup.process_memory import memory_mb
+from sojourn_bringup.process_state import memory_mb
 from sojourn_console.endless_feed import EndlessFeed
 from sojourn_console.errors import ConsoleError
 from sojourn_console.gate import GuardedServer

@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 
 from sojourn_bringup import start, start_run
-from sojourn_bringup.process_memory import memory_mb
+from sojourn_bringup.process_state import memory_mb
 from sojourn_bringup.screen import Screen
 from sojourn_config.command_errors import CommandError
 from sojourn_contract.stamps import CONTROL_PERIOD_S
