@@ -9,6 +9,7 @@ Source: MCAP specification (mcap.dev/spec), records Message (op 0x05) and Messag
 
 import struct
 import zlib
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import IO, Any, NamedTuple
 
@@ -25,6 +26,8 @@ _PREFIX = 9
 """Bytes of a record before its content: opcode and length."""
 _INDEX = struct.Struct("<HI")
 """Channel, length of the entries."""
+_BLOCK = 1 << 15
+"""Of chunk indices that are packed together [bytes]."""
 
 
 class QuickWriter(Writer):
@@ -130,21 +133,35 @@ def _packed(data: bytes) -> tuple[bytes, int]:
     return zstandard.compress(data), zlib.crc32(data)
 
 
-class _PackedIndices(list["_PackedIndex"]):
-    """Of the chunks of a file, for its end: as they will be written, in a quarter of the memory of their numbers."""
+class _PackedIndices:
+    """Of the chunks of a file, for its end: as they will be written, by blocks and packed, for they are much alike. A
+    recorder of a whole day would grow by megabytes of their numbers.
+    """
 
-    def append(self, index: ChunkIndex) -> None:  # type: ignore[override]
+    def __init__(self) -> None:
+        self._packed: list[bytes] = []
+        self._last = b""
+
+    def append(self, index: ChunkIndex) -> None:
         """Keep a chunk's."""
         builder = RecordBuilder()
         index.write(builder)
-        super().append(_PackedIndex(builder.end()))
+        self._last += builder.end()
+        if len(self._last) >= _BLOCK:
+            self._packed.append(zlib.compress(self._last))  # zstandard gives its bytes more memory than they need
+            self._last = b""
+
+    def __iter__(self) -> Iterator["_Records"]:
+        """Block by block."""
+        yield from (_Records(zlib.decompress(block)) for block in self._packed)
+        yield _Records(self._last)
 
 
-class _PackedIndex(NamedTuple):
-    record: bytes
+class _Records(NamedTuple):
+    content: bytes
 
     def write(self, stream: RecordBuilder) -> None:
-        stream.write(self.record)
+        stream.write(self.content)
 
 
 class _QuickIndex(MessageIndex):
