@@ -1,5 +1,7 @@
 """A page that joins a run under way: what the run has left behind comes from its bag."""
 
+import os
+import subprocess
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,7 +20,7 @@ from sojourn_console import beside, earlier
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.feed import FeedMessage
 from sojourn_console.gate import GuardedServer
-from sojourn_console.model import RunScene, after, after_all
+from sojourn_console.model import RunScene, after_all
 from sojourn_console.page import Page
 from sojourn_console.ruts import deepest_of_each
 from sojourn_console.traces import LEFT_BY, Traces, traces_of
@@ -47,7 +49,7 @@ def recorded(request: pytest.FixtureRequest, reference: Bag) -> Bag:
 
 def _as_ground(time: int, data: bytes) -> bytes:
     """What has touched the ground, as the ground tells it."""
-    contacts = after(RunScene(), FeedMessage(topic("/truth/contacts"), data, time)).passed[0]
+    contacts = after_all(RunScene(), [FeedMessage(topic("/truth/contacts"), data, time)]).passed[0]
     return encode(GROUND, ground_told(time, contacts))
 
 
@@ -175,3 +177,15 @@ def test_traces_are_read_as_they_were_saved(tmp_path: Path) -> None:
         stream.seek(0)
         again = Traces.load(stream)
     assert all(np.array_equal(one, other) for one, other in zip(traces, again, strict=True))
+
+
+def test_what_reads_yields_to_other_sessions() -> None:
+    """A page that was opened slowed a run beside it, for `nice` counts in one session only."""
+    reader = beside.start("json.tool", in_background=True, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
+    try:
+        assert os.getsid(reader.pid) == reader.pid
+        group = Path(f"/proc/{reader.pid}/autogroup")
+        assert not group.exists() or group.read_text().endswith(" nice 10\n")
+    finally:
+        reader.kill()
+        reader.communicate()

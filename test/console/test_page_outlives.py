@@ -12,7 +12,7 @@ from sojourn_console.failures import STAYS_S
 from sojourn_console.feed import FeedMessage
 from sojourn_console.gate import GuardedServer
 from sojourn_console.machine_shape import MachineShape
-from sojourn_console.model import RunScene, after
+from sojourn_console.model import RunScene, after_all
 from sojourn_console.page import Page
 from sojourn_console.panels.head import HeadPanel
 from sojourn_console.panels.scene_panel import ScenePanel
@@ -69,7 +69,7 @@ def image(encoding: str, width: int, step: int, data: bytes, is_bigendian: int =
 
 def seen(world: World, message: Image) -> RunScene:
     row = world.table.topic(CAMERA)
-    return after(RunScene(), FeedMessage(row, encode(row, message), message.stamp))
+    return after_all(RunScene(), [FeedMessage(row, encode(row, message), message.stamp)])
 
 
 def test_a_word_in_place_of_a_number_is_shown_as_it_came(page: Page) -> None:

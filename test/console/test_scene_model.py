@@ -5,16 +5,20 @@ import pytest
 
 from sojourn_bags.reading import Bag
 from sojourn_console.feed import FeedMessage
-from sojourn_console.model import TRACK_STEP, RunScene, after
+from sojourn_console.model import TRACK_STEP, RunScene, after_all
 from sojourn_console.world import World
 
 
 def played(bag: Bag, world: World, *names: str, scene: RunScene | None = None) -> RunScene:
     scene = scene or RunScene()
-    for name in names:
-        for time, data in zip(bag[name].log_times, bag[name].data, strict=True):
-            scene = after(scene, FeedMessage(world.table.topic(name), data, time))
-    return scene
+    return after_all(
+        scene,
+        [
+            FeedMessage(world.table.topic(name), data, time)
+            for name in names
+            for time, data in zip(bag[name].log_times, bag[name].data, strict=True)
+        ],
+    )
 
 
 def test_the_estimate_is_that_of_the_bag(reference: Bag, world: World) -> None:
@@ -45,8 +49,8 @@ def test_joints_contacts_and_statuses(reference: Bag, world: World) -> None:
 
 def test_what_cannot_be_read_is_counted_and_changes_nothing_else(reference: Bag, world: World) -> None:
     before = played(reference, world, "/odom")
-    scene = after(before, FeedMessage(world.table.topic("/odom"), b"\0\1\0\0nonsense", before.stamp + 1))
+    scene = after_all(before, [FeedMessage(world.table.topic("/odom"), b"\0\1\0\0nonsense", before.stamp + 1)])
     assert scene.refused == {"/odom": 1}
     assert scene.pose is before.pose and scene.stamp == before.stamp
-    unknown = after(before, FeedMessage(world.table.topic("/power/forecast"), b"", 0))
-    assert unknown is before
+    unknown = after_all(before, [FeedMessage(world.table.topic("/power/forecast"), b"", before.stamp + 1)])
+    assert unknown.stamp == before.stamp and not unknown.refused

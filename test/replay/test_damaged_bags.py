@@ -6,6 +6,7 @@ from io import BytesIO
 from pathlib import Path
 
 import pytest
+from mcap.records import Channel, Message
 from mcap.writer import CompressionType, Writer
 
 from sojourn_bags import report_command
@@ -90,3 +91,27 @@ def test_a_topic_whose_type_is_lost_is_set_aside(tmp_path: Path) -> None:
     assert {unusable.reason for unusable in bag.unusable if unusable.topic == "/odom"} == {
         "its type is '', which is not known"
     }
+
+
+@pytest.mark.parametrize("seed", [seed for seed in range(40) if seed % 4 < 2])
+def test_what_is_read_of_some_topics_is_that_of_all(seed: int, tmp_path: Path) -> None:
+    file, topics = tmp_path / "damaged.mcap", ("/odom", "/clock")
+    file.write_bytes(damaged(seed, FILE.read_bytes(), b""))
+
+    def read(salvage: Salvage) -> list[Message]:
+        channels: dict[int, str] = {}
+        found = []
+        for record in salvage.records:
+            if isinstance(record, Channel):
+                channels[record.id] = record.topic
+            elif isinstance(record, Message) and channels[record.channel_id] in topics:
+                found.append(record)
+        return found
+
+    assert read(Salvage(file, topics)) == read(Salvage(file))
+
+
+def test_other_topics_are_not_read() -> None:
+    records = list(Salvage(FILE, ("/odom",)).records)
+    wanted = {record.id for record in records if isinstance(record, Channel) and record.topic == "/odom"}
+    assert {record.channel_id for record in records if isinstance(record, Message)} == wanted

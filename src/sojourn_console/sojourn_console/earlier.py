@@ -107,7 +107,8 @@ class _Reader:
     def __init__(self, folder: Path, until: int) -> None:
         self._output = tempfile.TemporaryFile()  # noqa: SIM115 - as long as the program
         words = str(folder), str(until)
-        self._program = beside.start(MODULE, words, stdin=subprocess.DEVNULL, stdout=self._output)
+        nothing = subprocess.DEVNULL
+        self._program = beside.start(MODULE, words, in_background=True, stdin=nothing, stdout=self._output)
 
     @property
     def is_done(self) -> bool:

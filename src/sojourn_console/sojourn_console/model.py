@@ -133,31 +133,29 @@ class RunScene:
 
 
 def after_all(scene: RunScene, heard: Iterable[FeedMessage]) -> RunScene:
-    """The scene after messages in their order, since a scene was shown: `passed` and `lowered` have come with them."""
-    passed, lowered = list[FloatArray](), list[FloatArray]()
+    """The scene after messages in their order, since a scene was shown: `passed` and `lowered` have come with them. One
+    that cannot be read is counted and changes nothing else.
+    """
+    passed, lowered, refused, stamp = list[FloatArray](), list[FloatArray](), dict(scene.refused), scene.stamp
     scene = replace(scene, passed=(), lowered=())
     for one in heard:
-        scene = after(scene, one)
+        name = one.row.name
+        take = _TAKES.get(name) or _TAKES_OF_TYPE.get(one.row.type)
+        if take is None:
+            continue
+        try:
+            with refusing(name, f"a {one.row.type} that can be shown"):
+                scene = take(scene, name, decode(one.row, one.data))
+        except RefusedMessageError:
+            refused[name] = refused.get(name, 0) + 1
+            continue
+        stamp = max(stamp, one.time)
         if len(scene.passed) + len(scene.lowered) >= HANDFUL:
             passed += scene.passed
             lowered += scene.lowered
             scene = replace(scene, passed=(), lowered=())
-    return replace(scene, passed=(*passed, *scene.passed), lowered=(*lowered, *scene.lowered))
-
-
-def after(scene: RunScene, heard: FeedMessage) -> RunScene:
-    """The scene after a message; one that cannot be read is counted and changes nothing else."""
-    name = heard.row.name
-    take = _TAKES.get(name) or _TAKES_OF_TYPE.get(heard.row.type)
-    if take is None:
-        return scene
-    try:
-        with refusing(name, f"a {heard.row.type} that can be shown"):
-            message = decode(heard.row, heard.data)
-            found = take(scene, name, message)
-    except RefusedMessageError:
-        return replace(scene, refused={**scene.refused, name: scene.refused.get(name, 0) + 1})
-    return replace(found, stamp=max(scene.stamp, heard.time))
+    passed, lowered = [*passed, *scene.passed], [*lowered, *scene.lowered]
+    return replace(scene, stamp=stamp, passed=tuple(passed), lowered=tuple(lowered), refused=refused)
 
 
 def _odometry(scene: RunScene, _: str, message: Message) -> RunScene:

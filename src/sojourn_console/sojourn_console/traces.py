@@ -1,6 +1,6 @@
 """What a run has left behind before it is looked at: its way and its ruts, from its bag, which is still written.
 
-It is a program of its own, for the bag of an hour keeps a core busy for half a minute:
+It is a program of its own, for the bag of an hour keeps a core busy for a quarter of a minute:
 `python -m sojourn_console.traces RUN NS` prints the `Traces` of a run, its way up to a time [ns], as a file of numpy.
 """
 
@@ -13,18 +13,20 @@ from typing import IO, NamedTuple
 import numpy as np
 from mcap.records import Channel, Message
 
-from sojourn_bags.errors import BagsError
-from sojourn_bags.parts import BagSalvage, is_finished, parts_of
+from sojourn_bags.errors import BagsError, UnreadableBagError
+from sojourn_bags.parts import is_finished, parts_of
+from sojourn_bags.salvage import Salvage
 from sojourn_config import command_line
 from sojourn_console.errors import ConsoleError
 from sojourn_console.feed import FeedMessage
 from sojourn_console.model import NOTHING, RunScene, after_all
 from sojourn_console.ruts import deepest_of_each
+from sojourn_contract.ground import GROUND
 from sojourn_contract.run_table import row_named
 from sojourn_machine.params import FloatArray
 
-WAY = "/odom"
-LEFT_BY = (WAY, "/truth/contacts", "/truth/ground")
+WAY, TOUCHED = "/odom", "/truth/contacts"
+LEFT_BY = (WAY, TOUCHED, GROUND.name)
 """Topics that leave traces in a scene."""
 BATCH = 4096
 """Messages after which what is left is condensed."""
@@ -35,8 +37,9 @@ class Traces(NamedTuple):
 
     Args:
         track: places that the estimate has passed, (n, 3) [m]. passed: x, y and sinkage of what has touched the ground,
-            (n, 3) [m]. lowered: nodes of the ground that lie lower, x, y and by how much, (n, 3) [m].
-        newest: time of the last message of the bag [ns]; 0 without one, or where the bag is finished: of a run that
+            (n, 3) [m], while the ground itself has told nothing. lowered: nodes of the ground that lie lower, x, y and
+            by how much, (n, 3) [m].
+        newest: time of the last of its messages [ns]; 0 without one, or where the bag is finished: of a run that
             goes on it is not then.
     """
 
@@ -62,34 +65,33 @@ def traces_of(run: Path, until: int) -> Traces:
     Of its way the rest is heard. Of ruts it may be that some messages after that time are not: who listens is found
     topic by topic, and each tells what is new alone.
     """
-    bag = _GrowingBag(run)
-    heard = bag.messages(until)
-    scene, passed, lowered = RunScene(), NOTHING, NOTHING
+    scene, passed, lowered, newest = RunScene(), NOTHING, NOTHING, 0
+    heard = _messages(run)
     while batch := list(islice(heard, BATCH)):
-        scene = after_all(scene, batch)
+        newest = max(newest, *(one.time for one in batch))
+        skipped = (TOUCHED,) if len(lowered) else ()
+        counts = (one for one in batch if one.row.name not in skipped and (one.row.name != WAY or one.time <= until))
+        scene = after_all(scene, counts)
         passed = deepest_of_each(np.concatenate([passed, *scene.passed]))
         lowered = deepest_of_each(np.concatenate([lowered, *scene.lowered]))
-    return Traces(scene.track, passed, lowered, 0 if is_finished(run) else bag.newest)
+    return Traces(scene.track, passed, lowered, 0 if is_finished(run) else newest)
 
 
-class _GrowingBag:
-    """A bag as far as it has been written."""
-
-    def __init__(self, run: Path) -> None:
-        self._salvage = BagSalvage(parts_of(run))
-        self.newest = 0
-
-    def messages(self, until: int) -> Iterator[FeedMessage]:
-        """What leaves traces, in the order of the bag; the way up to a time [ns]."""
+def _messages(run: Path) -> Iterator[FeedMessage]:
+    """What leaves traces, as far as the bag has been written. Raises BagsError."""
+    parts = parts_of(run)
+    for part in parts:
         rows = {}
-        for record in self._salvage.records:
-            if isinstance(record, Channel) and record.topic in LEFT_BY:
-                rows[record.id] = row_named(record.topic)
-            elif isinstance(record, Message):
-                self.newest = max(self.newest, record.log_time)
-                row = rows.get(record.channel_id)
-                if row is not None and (row.name != WAY or record.log_time <= until):
-                    yield FeedMessage(row, record.data, record.log_time)
+        try:
+            for record in Salvage(part, LEFT_BY).records:
+                if isinstance(record, Channel) and record.topic in LEFT_BY and (row := row_named(record.topic)):
+                    rows[record.id] = row
+                elif isinstance(record, Message):
+                    yield FeedMessage(rows[record.channel_id], record.data, record.log_time)
+        except UnreadableBagError:
+            if part == parts[0]:
+                raise
+            return  # it has only been begun
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
