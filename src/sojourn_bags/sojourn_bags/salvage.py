@@ -48,8 +48,8 @@ class Salvage:
     """One reading of a file. Iterate over `records` first; then the rest is known.
 
     Args:
-        path: MCAP file of profile ros2. topics: of which messages are wanted, None for all; the rest is passed over, in
-            a fifth of the time.
+        path: MCAP file of profile ros2. topics: of which messages are wanted, None for all; the rest is passed
+            over unread.
 
     Attributes:
         whole: the file ends as it should and everything in it is sound. all_messages: the damage, if any, is behind
