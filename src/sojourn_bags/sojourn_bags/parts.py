@@ -6,7 +6,7 @@ number.
 """
 
 import re
-from collections.abc import Hashable, Iterator
+from collections.abc import Container, Hashable, Iterator
 from dataclasses import replace
 from io import SEEK_END
 from pathlib import Path
@@ -62,7 +62,8 @@ class BagSalvage:
     """One reading of all files of a bag, as `Salvage` of one. Iterate over `records` first; then the rest is known.
 
     Args:
-        parts: MCAP files in their order.
+        parts: MCAP files in their order. topics: as of `Salvage`; where it is not all of them, whether files fit is not
+            looked at.
 
     Attributes:
         whole, all_messages, damage, at: as of `Salvage`; of several files the damage names its own, bytes are counted
@@ -70,8 +71,8 @@ class BagSalvage:
         misfit: which file is not where it belongs, and why, in words; "" where nothing before it is damaged.
     """
 
-    def __init__(self, parts: tuple[Path, ...]) -> None:
-        self.parts = parts
+    def __init__(self, parts: tuple[Path, ...], topics: Container[str] | None = None) -> None:
+        self.parts, self.topics = parts, topics
         self.whole = self.all_messages = False
         self.damage = self.misfit = ""
         self.at = 0
@@ -85,7 +86,7 @@ class BagSalvage:
         numbers, ties, before = _RecordNumbers(), PartTies(alone), 0
         self.whole = self.all_messages = True
         for part in self.parts:
-            salvage = Salvage(part)
+            salvage = Salvage(part, self.topics)
             ties.begin(part)
             try:
                 yield from _fitting(salvage.records if alone else numbers.anew(salvage.records), ties)
@@ -110,7 +111,7 @@ class BagSalvage:
 
     def _note_misfit(self, ties: PartTies, at: int) -> None:
         """Where nothing is damaged: behind damage no file goes on from the one before it."""
-        if ties.broken and not self.damage:
+        if ties.broken and not self.damage and self.topics is None:
             self.misfit = ties.broken
             self.whole = self.all_messages = False
             self._note(self.misfit, at)

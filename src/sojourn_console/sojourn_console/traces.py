@@ -13,9 +13,8 @@ from typing import IO, NamedTuple
 import numpy as np
 from mcap.records import Channel, Message
 
-from sojourn_bags.errors import BagsError, UnreadableBagError
-from sojourn_bags.parts import is_finished, parts_of
-from sojourn_bags.salvage import Salvage
+from sojourn_bags.errors import BagsError
+from sojourn_bags.parts import BagSalvage, is_finished, parts_of
 from sojourn_config import command_line
 from sojourn_console.errors import ConsoleError
 from sojourn_console.feed import FeedMessage
@@ -79,19 +78,12 @@ def traces_of(run: Path, until: int) -> Traces:
 
 def _messages(run: Path) -> Iterator[FeedMessage]:
     """What leaves traces, as far as the bag has been written. Raises BagsError."""
-    parts = parts_of(run)
-    for part in parts:
-        rows = {}
-        try:
-            for record in Salvage(part, LEFT_BY).records:
-                if isinstance(record, Channel) and record.topic in LEFT_BY and (row := row_named(record.topic)):
-                    rows[record.id] = row
-                elif isinstance(record, Message):
-                    yield FeedMessage(rows[record.channel_id], record.data, record.log_time)
-        except UnreadableBagError:
-            if part == parts[0]:
-                raise
-            return  # it has only been begun
+    rows = {}
+    for record in BagSalvage(parts_of(run), LEFT_BY).records:
+        if isinstance(record, Channel) and record.topic in LEFT_BY and (row := row_named(record.topic)):
+            rows[record.id] = row
+        elif isinstance(record, Message):
+            yield FeedMessage(rows[record.channel_id], record.data, record.log_time)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
