@@ -8,6 +8,7 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.records import Channel, Message
 from rosbags.rosbag2 import Reader
 
 from sojourn_bags import writer as writing
@@ -74,6 +75,29 @@ def test_of_several_files_it_is_the_bag_of_one(tmp_path: Path, split: Path) -> N
     assert counts_in(split) == {CLOCK.name: 120, TICK.name: 120 - LATE + 1}
     assert bag_file(split).name == "bag_0.mcap"
     assert max(part.stat().st_size for part in parts.parts) < 4000 + 6000, "and what is told of it at its end"
+
+
+@pytest.mark.parametrize("wanted", [CLOCK.name, TICK.name, "/nowhere"])
+def test_some_topics_alone_are_what_all_of_it_has_of_them(split: Path, wanted: str) -> None:
+    """Files that lack the topic, or messages of others before it, are no misfit."""
+    salvage = BagSalvage(parts_of(split), {wanted})
+    told = list(salvage.records)
+    names = {record.id: record.topic for record in told if isinstance(record, Channel)}
+    messages = [record for record in told if isinstance(record, Message)]
+    log_times, data, _ = content(read_bag(split)).get(wanted, ([], [], ""))
+    known = list(zip(data, log_times, strict=True))
+    assert [(record.data, record.log_time) for record in messages] == known
+    assert {names[record.channel_id] for record in messages} == ({wanted} if known else set())
+    assert salvage.whole and not salvage.damage and not salvage.misfit
+
+
+def test_damage_is_said_where_some_topics_alone_are_read(split: Path) -> None:
+    last = parts_of(split)[-2]
+    parts_of(split)[-1].unlink()
+    last.write_bytes(last.read_bytes()[: last.stat().st_size // 3])
+    salvage = BagSalvage(parts_of(split), {TICK.name})
+    found = sum(isinstance(record, Message) for record in salvage.records)
+    assert not salvage.whole and salvage.damage.startswith(f"{last.name}: ") and 0 < found < 120 - LATE + 1
 
 
 @settings(max_examples=15, deadline=None)

@@ -14,7 +14,7 @@ import math
 import tempfile
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -41,7 +41,7 @@ from sojourn_studies.probed_program import START_S
 from sojourn_studies.probed_stack import WAITING, ProbedStack, add_options, bag_of, probed
 
 LISTEN_S, AFTER_S = 3.0, 60.0
-"""Wall time for hearing what a run says, and after which it is held for dead after the flood [s]."""
+"""Wall time for hearing what a run says, and after which what has not come after the flood is held for lost [s]."""
 MOST_SAMPLES = 50
 """Good messages of a topic that are kept, of which hostile ones are made."""
 BURST = 5
@@ -56,12 +56,12 @@ TRUTH = "/truth/odom"
 
 class Aftermath(NamedTuple):
     """What a stack says after the flood: wall time from its end to the loop's first period [s], whether all of its
-    truth was finite, messages refused by all nodes.
+    truth was finite, messages refused by each role that has told.
     """
 
     back_s: float
     is_finite: bool
-    refused: int
+    refused: dict[str, int]
 
 
 class Flood(Desk):
@@ -138,12 +138,17 @@ class Flood(Desk):
         for sender in self._senders.values():
             self.node.destroy_publisher(sender)
         self._truths.clear()
-        while not self._runs() and time.monotonic() - ended < AFTER_S:
-            self.spin(0.02)
+        self._spin_until(self._runs)
         back = self._truths[0][0] - ended if self._runs() else math.inf
         self._refused.clear()
-        self.spin(LISTEN_S)
-        return Aftermath(back, self._is_finite, sum(self._refused.values()))
+        self._spin_until(lambda: len(self._refused) == len(ROLES))
+        return Aftermath(back, self._is_finite, dict(self._refused))
+
+    def _spin_until(self, done: Callable[[], bool]) -> None:
+        """Hear until it is so, AFTER_S at most."""
+        end = time.monotonic() + AFTER_S
+        while not done() and time.monotonic() < end:
+            self.spin(0.02)
 
     def _runs(self) -> bool:
         """Whether the last truths are of consecutive periods."""
@@ -217,7 +222,8 @@ def measure(given: argparse.Namespace, run_dir: Path) -> bool:
         print(line)
     print("no node has ended" if same else "nodes have ended, and others have begun")
     print(f"the loop runs again after {after.back_s:.2f} s; its truth is {'' if after.is_finite else 'not '}finite")
-    print(f"refused by the nodes: {after.refused}; the bag has {recorded} messages, {size:.0f} MB")
+    print(f"refused: {', '.join(f'{role} {count}' for role, count in after.refused.items())}")
+    print(f"the bag has {recorded} messages, {size:.0f} MB")
     return same and after.is_finite and after.back_s <= BACK_S
 
 
