@@ -290,6 +290,9 @@ def test_a_goal_goes_over_the_link_and_its_way_is_told(
     page.goto(told(run, "the console is at"))
     told(run, "the run is heard")
     expect(page.get_by_text("idle").first).to_be_visible()
+    open_tab(page, "Link")
+    expect(page.get_by_text("none yet")).to_be_attached()  # before the link has told of itself, its window is not known
+    open_tab(page, "Goals")
     choose(page, "A click is", "drive to a place")
     choose(page, "Waypoint", "near")
     expect(page.get_by_text("Drag to move")).to_be_attached()
