@@ -20,14 +20,17 @@ def test_in_real_time_only_the_plant_ends_a_run() -> None:
     assert list(runs(given)) == [[role] for role in ROLE_NAMES for _ in range(2)]
 
 
-def test_a_kill_that_is_noticed_late_is_a_failure(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_kill_that_is_noticed_late_is_a_failure_and_so_is_much_that_the_bags_lack(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     kills = [Kill("drive", 0.25, 1.0, ""), Kill("drive", 0.75, 2.0, ""), Kill("plant", 0.5, None, "")]
-    assert told(kills)
+    assert told(kills, 0.9)
     assert capsys.readouterr().out.splitlines() == [
         "drive: 2 kills, noticed after 0.50 s, 0.75 s at most, again after 1.50 s, 2.00 s at most",
         "plant: 1 kills, noticed after 0.50 s, 0.50 s at most",
     ]
-    assert not told([*kills, Kill("arm", 1.1, 2.0, "")])
+    assert not told([*kills, Kill("arm", 1.1, 2.0, "")], 0.9)
+    assert not told(kills, 1.01)
 
 
 @pytest.mark.parametrize(
