@@ -14,6 +14,7 @@ from sojourn_bringup.alarms_bag import watched_bag
 from sojourn_config.command_errors import UsageError
 from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
+from sojourn_contract import named_fields
 from sojourn_contract.errors import UnknownFieldNameError
 from sojourn_contract.heartbeat import ENDED, STALLED, Counters, heartbeat_message, status_message
 from sojourn_contract.stamps import NANOSECONDS
@@ -115,6 +116,16 @@ def test_texts_are_compared_and_a_key_that_is_not_there_is_told_once() -> None:
         state, events = one.step(state, "/drive/status", status_message(second, "drive", {"state": word, "slip": "0"}))
         told += [(event.who, event.severity) for event in events]
     assert told == [("typo", NONE), ("state", WATCH), ("state", WARNING)]
+
+
+def test_what_a_field_may_be_meant_for_is_not_looked_for_where_another_role_has_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It took a twelfth of the page's time: a heartbeat of one role has not what another tells, second for second."""
+    monkeypatch.setattr(named_fields, "get_close_matches", lambda *_: pytest.fail("looked for"))
+    limits = {"slow": AlarmParams.model_validate({"field": "/diagnostics.detail[plant]", "watch": {"contains": "x"}})}
+    one, message = AlarmEngine(limits, STANDARD), heartbeat_message("drive", "running", NANOSECONDS, Counters())
+    assert one.step(one.initial_state(), "/diagnostics", message) == (one.initial_state(), [])
 
 
 def test_a_field_that_no_topic_has_is_refused() -> None:

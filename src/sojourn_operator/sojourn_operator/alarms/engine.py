@@ -122,9 +122,9 @@ class AlarmEngine:
                 events += self._told(alarm, after)
             if (
                 not found
+                and not one.which  # another message of the topic may have it
                 and name not in missing
                 and (wrong := unknown_key(one, message)) is not None
-                and one.which == ""
             ):
                 missing.add(name)
                 events.append(Event(message.stamp, name, ALARM, Severity.NONE, f"cannot be judged: {wrong}"))
