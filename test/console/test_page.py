@@ -12,9 +12,10 @@ from sojourn_bags.messages import Messages
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_console import model
 from sojourn_console.bag_feed import BagFeed
+from sojourn_console.frames import FRAMES
 from sojourn_console.gate import GuardedServer
 from sojourn_console.model import RunScene
-from sojourn_console.page import FRAMES, Page
+from sojourn_console.page import Page
 from sojourn_console.ruts import deepest_of_each
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.views.way_view import ABOVE, on_ground

@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     from sojourn_bags.errors import BagsError  # here, and what follows: --help needs none of it
     from sojourn_console.endurance import endurance
     from sojourn_console.errors import ConsoleError
-    from sojourn_console.page import FRAMES
+    from sojourn_console.frames import FRAMES
     from sojourn_contract.stop_flag import StopFlag
 
     stop = StopFlag().install()

@@ -20,8 +20,9 @@ from sojourn_bags.reading import read_bag
 from sojourn_bringup.process_state import memory_mb
 from sojourn_console.endless_feed import EndlessFeed
 from sojourn_console.errors import ConsoleError
+from sojourn_console.frames import FRAMES
 from sojourn_console.gate import GuardedServer
-from sojourn_console.page import FRAMES, Page
+from sojourn_console.page import Page
 from sojourn_console.world import world_of_bag
 
 SAMPLES = 60

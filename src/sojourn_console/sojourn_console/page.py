@@ -3,6 +3,7 @@
 A further panel is one more row of `PANELS`: a class with a title that is made from the bench (`panels.panel.Panel`).
 """
 
+import os
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from sojourn_console.desk import CommandDesk
 from sojourn_console.earlier import EarlierTraces
 from sojourn_console.failures import OutlivedView
 from sojourn_console.feed import Feed
+from sojourn_console.frames import PART, Frames
 from sojourn_console.gate import GuardedServer
 from sojourn_console.model import STATUSES, RunScene, after_all
 from sojourn_console.panels.alarms import AlarmsPanel
@@ -36,8 +38,6 @@ from sojourn_console.views.view import SceneView
 from sojourn_console.world import World
 from sojourn_operator.alarms.watch import Watch, limits_of
 
-FRAMES = 30.0
-"""Scenes a second."""
 REST_S = 0.02
 """Wall time at least between two looks, however long they take. While a look is drawn nothing goes to the browsers, so
 that they have whole ones, and viser sends 60 times a second: without a rest longer than that a page stands still on a
@@ -96,7 +96,9 @@ class Page:
         server.on_client_disconnect(self._gone)
 
     def run(self, goes_on: Callable[[], bool]) -> None:
-        """Show what comes, FRAMES times a second, for so long as that says."""
+        """Show what comes, as often as the machine has room for (`frames`), for so long as that says."""
+        is_alone = isinstance(self.bench.feed, BagFeed)
+        frames = Frames(1.0 if is_alone else PART * len(os.sched_getaffinity(0)))
         due = before = time.monotonic()
         while goes_on():
             now = time.monotonic()
@@ -104,8 +106,9 @@ class Page:
                 with self.bench.lock:
                     self.bench.feed.advance(now - before)
             before = now
+            spent = time.thread_time()
             self.look()
-            due = max(due + 1.0 / FRAMES, now)
+            due = max(due + frames.interval_s(time.thread_time() - spent), now)
             time.sleep(max(due - time.monotonic(), REST_S))
 
     def look(self) -> None:
