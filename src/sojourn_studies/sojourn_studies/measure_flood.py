@@ -141,6 +141,7 @@ class Flood(Desk):
         self._spin_until(self._runs)
         back = self._truths[0][0] - ended if self._runs() else math.inf
         self._refused.clear()
+        self.spin(LISTEN_S)
         self._spin_until(lambda: len(self._refused) == len(ROLES))
         return Aftermath(back, self._is_finite, dict(self._refused))
 
