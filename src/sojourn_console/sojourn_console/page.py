@@ -97,14 +97,14 @@ class Page:
 
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Show what comes, as often as the machine has room for (`frames`), for so long as that says."""
-        is_alone = isinstance(self.bench.feed, BagFeed)
-        frames = Frames(1.0 if is_alone else PART * len(os.sched_getaffinity(0)))
+        bag = self.bench.feed if isinstance(self.bench.feed, BagFeed) else None
+        frames = Frames(PART * len(os.sched_getaffinity(0)) if bag is None else 1.0)
         due = before = time.monotonic()
         while goes_on():
             now = time.monotonic()
-            if isinstance(self.bench.feed, BagFeed):
+            if bag is not None:
                 with self.bench.lock:
-                    self.bench.feed.advance(now - before)
+                    bag.advance(now - before)
             before = now
             spent = time.thread_time()
             self.look()
