@@ -1,12 +1,13 @@
 """With what force the ground pushes, at each wheel, track, foot or pad."""
 
-from typing import Any, ClassVar
+from functools import partial
+from typing import ClassVar
 
 import numpy as np
 import viser
 
 from sojourn_console.model import Contacts, RunScene
-from sojourn_console.views.view import GREEN, Shown
+from sojourn_console.views.view import GREEN, ShownPoints
 from sojourn_console.world import World
 
 LEAST_N = 1.0
@@ -22,10 +23,14 @@ class ForceView:
     starts_shown: ClassVar[bool] = True
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
-        self._server = server
         mass = sum(one.mass for one in world.scenario.urdf.inertials.values())
         self._scale = LONGEST / max(0.25 * mass * world.scenario.gravity, LEAST_N)
-        self._arrows, self._last = Shown(), np.zeros((0, 2, 3))
+        self._arrows = ShownPoints(
+            partial(
+                server.scene.add_arrows, "/forces", colors=GREEN, shaft_radius=0.012, head_radius=0.03, head_length=0.07
+            )
+        )
+        self._last = np.zeros((0, 2, 3))
         self._seen: Contacts | None = None
 
     def show(self, scene: RunScene) -> None:
@@ -38,13 +43,10 @@ class ForceView:
         if arrows.shape == self._last.shape and (not len(arrows) or np.abs(arrows - self._last).max() < 0.01):
             return
         self._last = arrows
-        if not len(arrows):
+        if len(arrows):
+            self._arrows.draw(arrows)
+        else:
             self._arrows.remove()
-            return
-        drawn: Any = self._server.scene.add_arrows(
-            "/forces", arrows.astype(np.float32), GREEN, shaft_radius=0.012, head_radius=0.03, head_length=0.07
-        )
-        self._arrows.put(drawn)
 
     def hide(self) -> None:
         self._arrows.remove()

@@ -17,8 +17,8 @@ LINK_TO_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
 """Columns: axes of the optical frame (x right, y down, z ahead; REP 103) in a camera's link (x ahead, z up)."""
 FRUSTUM = 0.35
 """Length of a drawn frustum [m]."""
-DECIMALS = 4
-"""Of where a frustum is [m], and of its quaternion: less is not seen."""
+MOVED = 1e-4
+"""Of where a frustum is [m], and of its axes: less is not seen, and not sent."""
 WIDEST = 512
 """Columns of an image in the scene at most."""
 
@@ -70,6 +70,7 @@ class CameraView:
         self._server, self._world = server, world
         self._shape = MachineShape(world.scenario.urdf_xml)
         self._frustums: dict[str, Any] = {}
+        self._places: dict[str, FloatArray] = {}
         self._images: dict[str, Image] = {}
 
     def show(self, scene: RunScene) -> None:
@@ -77,7 +78,6 @@ class CameraView:
             place = self._shape.link(camera.link, scene.joints)
             if place is None:
                 continue
-            position, turn = place
             image = scene.images.get(camera.topic)
             if camera.name not in self._frustums:
                 self._frustums[camera.name] = self._server.scene.add_camera_frustum(
@@ -90,9 +90,7 @@ class CameraView:
                     cast_shadow=False,
                 )
             frustum = self._frustums[camera.name]
-            # rounded: what is as it was is not sent
-            frustum.position = np.round(position, DECIMALS)
-            frustum.wxyz = np.round(quaternion(turn @ LINK_TO_OPTICAL), DECIMALS)
+            self._put(camera.name, *place)
             frustum.visible = True
             if image is not None and image is not self._images.get(camera.name) and image.width and image.height:
                 self._images[camera.name] = image
@@ -101,6 +99,14 @@ class CameraView:
     def hide(self) -> None:
         for frustum in self._frustums.values():
             frustum.visible = False
+
+    def _put(self, name: str, position: FloatArray, turn: FloatArray) -> None:
+        """Where a camera's link is, if it has moved: to ask viser whether it has takes longer than to reckon it."""
+        place, shown = np.column_stack([position, turn]), self._places.get(name)
+        if shown is None or np.abs(place - shown).max() > MOVED:
+            self._places[name] = place
+            frustum = self._frustums[name]
+            frustum.position, frustum.wxyz = position, quaternion(turn @ LINK_TO_OPTICAL)
 
 
 def height_colors(heights: FloatArray) -> NDArray[np.uint8]:

@@ -1,5 +1,6 @@
 """Light from where the Sun stands, so that its side and the shadow side are seen as they are."""
 
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -7,7 +8,7 @@ import viser
 
 from sojourn_console.ground_light import SKY, SKY_COLOR, SUN
 from sojourn_console.model import RunScene
-from sojourn_console.views.view import YELLOW, Shown
+from sojourn_console.views.view import YELLOW, ShownPoints
 from sojourn_console.world import World
 
 LIGHT = "/sun"
@@ -28,12 +29,15 @@ class SunView:
     starts_shown: ClassVar[bool] = True
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
-        self._server, self._world = server, world
+        self._world = world
         server.scene.configure_default_lights(enabled=False)
         server.scene.configure_environment_map(None)
         self._light = server.scene.add_light_directional(LIGHT, intensity=SUN, cast_shadow=True)
         server.scene.add_light_ambient("/sky", intensity=SKY, color=SKY_COLOR)
-        self._arrow = Shown()
+        add = server.scene.add_arrows
+        self._arrow = ShownPoints(
+            partial(add, "/sun_arrow", colors=YELLOW, shaft_radius=0.015, head_radius=0.045, head_length=0.12)
+        )
         self._last = np.zeros(3)
         self._at = np.zeros(3)
         self._light_up(world.sun_direction(0), np.zeros(3))
@@ -48,12 +52,7 @@ class SunView:
             return
         self._light_up(direction, pose.position)
         begin = pose.position + np.array([0.0, 0.0, OVER])
-        points = np.array([[begin, begin + ARROW * direction]], dtype=np.float32)
-        self._arrow.put(
-            self._server.scene.add_arrows(
-                "/sun_arrow", points, YELLOW, shaft_radius=0.015, head_radius=0.045, head_length=0.12
-            )
-        )
+        self._arrow.draw(np.array([[begin, begin + ARROW * direction]]))
 
     def hide(self) -> None:
         self._arrow.remove()

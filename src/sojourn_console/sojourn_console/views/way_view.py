@@ -1,13 +1,14 @@
 """The way behind and the way ahead, and how sure the drive is of where it stands."""
 
 import math
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 import viser
 
 from sojourn_console.model import RunScene
-from sojourn_console.views.view import BLUE, ORANGE, VIOLET, Shown, segments
+from sojourn_console.views.view import BLUE, ORANGE, VIOLET, ShownPoints, segments
 from sojourn_console.world import World
 from sojourn_machine.params import FloatArray
 from sojourn_physics.terrain.ground_samples import heights_of
@@ -32,8 +33,9 @@ class TrackView:
     width: ClassVar[float] = 3.0
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
-        self._server, self._world = server, world
-        self._line, self._drawn = Shown(), np.zeros((0, 3))
+        self._world = world
+        self._line = line(server, self.name, self.color, self.width)
+        self._drawn = np.zeros((0, 3))
 
     def points(self, scene: RunScene) -> FloatArray:
         """Of the line, (n, 3)."""
@@ -49,15 +51,7 @@ class TrackView:
         if len(points) == len(self._drawn) and np.array_equal(points, self._drawn):
             return
         self._drawn = points
-        self._line.put(
-            self._server.scene.add_line_segments(
-                self.name,
-                segments(on_ground(self._world, points)),
-                colors=self.color,
-                thickness=self.width,
-                thickness_units="screen",
-            )
-        )
+        self._line.draw(segments(on_ground(self._world, points)))
 
     def hide(self) -> None:
         self._line.remove()
@@ -85,8 +79,8 @@ class UncertaintyView:
     starts_shown: ClassVar[bool] = True
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
-        self._server, self._world = server, world
-        self._line = Shown()
+        self._world = world
+        self._line = line(server, "/uncertainty", VIOLET, 3.0)
         self._drawn = np.zeros((0, 3))
 
     def show(self, scene: RunScene) -> None:
@@ -97,16 +91,17 @@ class UncertaintyView:
         if len(self._drawn) and np.abs(points - self._drawn).max() < 0.01:
             return
         self._drawn = points
-        line = segments(on_ground(self._world, points))
-        self._line.put(
-            self._server.scene.add_line_segments(
-                "/uncertainty", line, colors=VIOLET, thickness=3.0, thickness_units="screen"
-            )
-        )
+        self._line.draw(segments(on_ground(self._world, points)))
 
     def hide(self) -> None:
         self._line.remove()
         self._drawn = np.zeros((0, 3))
+
+
+def line(server: viser.ViserServer, name: str, color: Any, width: float) -> ShownPoints:
+    """One of segments. name: in the scene. width: as it is seen [pixels]."""
+    add = server.scene.add_line_segments
+    return ShownPoints(partial(add, name, colors=color, thickness=width, thickness_units="screen"))
 
 
 def ellipse(centre: FloatArray, covariance: FloatArray) -> FloatArray:
