@@ -15,6 +15,8 @@ import trimesh
 from sojourn_machine.params import FloatArray
 
 _GREY = (0.6, 0.6, 0.6, 1.0)
+_WXYZ_LAST = [0, 1, 2, 6, 3, 4, 5]
+"""Places in Pinocchio's x, y, z and quaternion x y z w of x, y, z and quaternion w x y z."""
 _ROUND = 28
 """Sides of what is drawn for a round thing."""
 
@@ -61,7 +63,7 @@ class MachineShape:
         joints: angles [rad], ways [m]; a joint that is not named stands where it is zero.
         """
         self._place(joints)
-        return np.array([_row(place) for place in self._data.oMi])
+        return np.array([pinocchio.SE3ToXYZQUAT(place) for place in self._data.oMi])[:, _WXYZ_LAST]
 
     def link(self, name: str, joints: Mapping[str, float]) -> tuple[FloatArray, FloatArray] | None:
         """Where a link's frame is in base_link: position (3,) [m], rotation (3, 3); None without such a link."""
@@ -95,8 +97,7 @@ def _part(shape: Any) -> Part:
 
 def _row(place: pinocchio.SE3) -> FloatArray:
     """A placement as x, y, z and quaternion w x y z."""
-    x, y, z, *turn, w = pinocchio.SE3ToXYZQUAT(place)
-    return np.array([x, y, z, w, *turn])
+    return np.asarray(pinocchio.SE3ToXYZQUAT(place)[_WXYZ_LAST])
 
 
 def _mesh(shape: Any) -> trimesh.Trimesh:
