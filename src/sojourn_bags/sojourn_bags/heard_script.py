@@ -56,11 +56,6 @@ class HeardScript:
     periods: tuple[HeardPeriod, ...]
 
 
-def is_in_real_time(bag: Bag) -> bool:
-    """Whether a bag is of a run in real time. Raises IncompleteConfigError."""
-    return run_of(bag)["lockstep"] != "true"
-
-
 def heard_script_of(bag: Bag, role: str) -> HeardScript:
     """The script of a role in a bag that was recorded in real time.
 

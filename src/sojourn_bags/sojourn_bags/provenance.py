@@ -65,6 +65,11 @@ def run_of(bag: Bag) -> dict[str, str]:
         raise IncompleteConfigError(f"{bag.path} does not say which roles took part in its run") from error
 
 
+def is_in_real_time(bag: Bag) -> bool:
+    """Whether a bag is of a run in real time. Raises IncompleteConfigError."""
+    return run_of(bag)["lockstep"] != "true"
+
+
 def versions_attachment() -> Attachment:
     """Versions of everything that shaped the run."""
     return Attachment(VERSIONS_NAME, "application/json", json.dumps(versions(), indent=2).encode())

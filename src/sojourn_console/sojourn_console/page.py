@@ -17,7 +17,7 @@ from sojourn_console.desk import CommandDesk
 from sojourn_console.earlier import EarlierTraces
 from sojourn_console.failures import OutlivedView
 from sojourn_console.feed import Feed
-from sojourn_console.frames import PART, Frames
+from sojourn_console.frames import PART, REALTIME_PART, Frames
 from sojourn_console.gate import GuardedServer
 from sojourn_console.model import STATUSES, RunScene, after_all
 from sojourn_console.panels.alarms import AlarmsPanel
@@ -98,7 +98,8 @@ class Page:
     def run(self, goes_on: Callable[[], bool]) -> None:
         """Show what comes, as often as the machine has room for (`frames`), for so long as that says."""
         bag = self.bench.feed if isinstance(self.bench.feed, BagFeed) else None
-        frames = Frames(PART * len(os.sched_getaffinity(0)) if bag is None else 1.0)
+        part = REALTIME_PART if bag is not None or self.bench.world.is_in_real_time else PART
+        frames = Frames(part * len(os.sched_getaffinity(0)))
         due = before = time.monotonic()
         while goes_on():
             now = time.monotonic()

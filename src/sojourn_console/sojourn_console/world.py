@@ -11,6 +11,7 @@ from mcap.records import Attachment, Message
 
 from sojourn_bags.description import Run
 from sojourn_bags.errors import BagsError
+from sojourn_bags.provenance import is_in_real_time
 from sojourn_bags.reading import Bag, bag_file
 from sojourn_bags.run_configuration import run_configuration
 from sojourn_bags.salvage import Salvage
@@ -83,6 +84,8 @@ class World:
     source: str = ""
     """Name or file from which the scenario can be read again; empty where it is gone."""
     run: RunFiles | None = None
+    is_in_real_time: bool = False
+    """Whether the run is known to be paced by the wall clock."""
 
     @classmethod
     def of_scenario(cls, scenario: LoadedScenario, source: str = "") -> "World":
@@ -126,9 +129,18 @@ def world_of_run(run: Path) -> World:
     """The world of a run that may still be under way, from the beginning of its bag. Raises NoWorldError."""
     found = recorded_run(run)
     try:
-        return replace(world_of_bag(Bag(found.file, attachments=dict(found.attachments))), run=found)
+        bag = Bag(found.file, attachments=dict(found.attachments))
+        return replace(world_of_bag(bag), run=found, is_in_real_time=_says_real_time(bag))
     except (BagsError, ConfigError, OSError, json.JSONDecodeError) as error:
         raise NoWorldError(str(error)) from error
+
+
+def _says_real_time(bag: Bag) -> bool:
+    """A bag that was recorded elsewhere need not say so."""
+    try:
+        return is_in_real_time(bag)
+    except BagsError:
+        return False
 
 
 def recorded_run(folder: Path) -> RunFiles:

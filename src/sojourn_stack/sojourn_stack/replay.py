@@ -14,8 +14,9 @@ from typing import Any
 
 from sojourn_bags.comparison import compare
 from sojourn_bags.errors import ReplayError
-from sojourn_bags.heard_script import heard_script_of, is_in_real_time
+from sojourn_bags.heard_script import heard_script_of
 from sojourn_bags.messages import Messages
+from sojourn_bags.provenance import is_in_real_time
 from sojourn_bags.reading import Bag
 from sojourn_bags.replay import Replay
 from sojourn_bags.replay_script import ReplayScript, script_of
