@@ -24,6 +24,7 @@ from sojourn_console.model import RunScene, after_all
 from sojourn_console.page import Page
 from sojourn_console.ruts import deepest_of_each
 from sojourn_console.traces import LEFT_BY, Traces, traces_of
+from sojourn_console.views import ground_view
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.world import RunFiles, World
 from sojourn_contract import qos
@@ -104,6 +105,7 @@ def page(world: World, running: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
     """That hears a run which it has not heard from its beginning."""
     monkeypatch.setattr(earlier, "WAIT_S", 0.0)
     monkeypatch.setattr(earlier, "PORTION", 20)
+    monkeypatch.setattr(ground_view, "REDRAW_S", -1.0)  # with every look
     world = replace(world, run=RunFiles(running, running / "bag", 0, {}))
     page = Page(GuardedServer("earlier", 9120), world, ToldFeed(world.table))
     yield page

@@ -17,6 +17,7 @@ from sojourn_console.gate import GuardedServer
 from sojourn_console.model import RunScene
 from sojourn_console.page import Page
 from sojourn_console.ruts import deepest_of_each
+from sojourn_console.views import ground_view
 from sojourn_console.views.ground_view import GroundView
 from sojourn_console.views.way_view import ABOVE, on_ground
 from sojourn_console.world import World, world_of_bag
@@ -115,8 +116,9 @@ def ruts_of(page: Page) -> int:
     return sum(int((tile > 0.04).sum()) for tile in view.tiles._lowered.values())
 
 
-def test_ruts_that_the_ground_tells_are_all_there_after_a_jump_and_live() -> None:
+def test_ruts_that_the_ground_tells_are_all_there_after_a_jump_and_live(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each message has what is new since the one before: after a jump those of the newest alone were drawn."""
+    monkeypatch.setattr(ground_view, "REDRAW_S", -1.0)  # with every look
     world = world_of_bag(read_bag(SEEING))
     clouds = [lowered(second) for second in range(1, 9)]
     times = [cloud.stamp for cloud in clouds]
@@ -141,6 +143,33 @@ def test_ruts_that_the_ground_tells_are_all_there_after_a_jump_and_live() -> Non
             assert not page.bench.scene.lowered  # they have been shown
         finally:
             page.close()
+
+
+def test_ruts_wait_for_the_next_drawing_and_are_forgotten_with_a_jump(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They were pressed down with every look, to be drawn two seconds later: a fifth of what a look took."""
+    now = [1000.0]
+    monkeypatch.setattr(ground_view.time, "monotonic", lambda: now[0])
+    world = world_of_bag(read_bag(SEEING))
+    live = ToldFeed(world.table)
+    page = Page(GuardedServer("waiting", 9115), world, live)
+    try:
+        page.look()
+        for second in (1, 2, 3):
+            live.tell(GROUND.name, lowered(second))
+            page.look()
+            now[0] += 0.5
+        first = ruts_of(page)  # the first drawing is due at once
+        now[0] += ground_view.REDRAW_S
+        page.look()
+        assert ruts_of(page) > 2 * first > 0
+        live.tell(GROUND.name, lowered(4))
+        page.look()
+        page._clear()
+        now[0] += 2.0 * ground_view.REDRAW_S
+        page.look()
+        assert ruts_of(page) == 0
+    finally:
+        page.close()
 
 
 def test_of_places_close_together_the_deepest_stands_for_all() -> None:

@@ -25,7 +25,7 @@ class AlarmBoard:
         watch: by which it is watched. who: acknowledges.
 
     Attributes:
-        log: what has happened, the latest last.
+        log: what has happened, the latest last. topics: that it judges, every message of them.
     """
 
     def __init__(self, watch: Watch, who: str) -> None:
@@ -33,11 +33,7 @@ class AlarmBoard:
         self._state: WatchState = watch.initial_state()
         self._waiting: deque[FeedMessage] = deque()
         self.log: deque[Event] = deque(maxlen=KEPT)
-
-    @property
-    def topics(self) -> frozenset[str]:
-        """That it judges, every message of them."""
-        return frozenset(self._watch.topics)
+        self.topics = frozenset(watch.topics)
 
     @property
     def shown(self) -> list[Alarm]:

@@ -43,6 +43,8 @@ class GroundView:
         self._drawn: dict[TileKey, tuple[Any, int]] = {}
         self._stale: list[tuple[float, Any]] = []
         self._changed: set[TileKey] = set()
+        self._waiting: dict[float, list[FloatArray]] = {}
+        """What has been pressed down since the last drawing, by the radius round each place."""
         self._redrawn_at = 0.0
         self._told = False
         self._sun = np.zeros(3)
@@ -58,14 +60,15 @@ class GroundView:
             self._changed.update(self.tiles.keys())
         if scene.lowered:
             self._told = True
-            self._lower(np.concatenate(scene.lowered), NARROWEST / 2)
+            self._waiting.setdefault(NARROWEST / 2, []).extend(scene.lowered)
         elif scene.passed and not self._told:
-            self._lower(np.concatenate(scene.passed), self._half_width)
+            self._waiting.setdefault(self._half_width, []).extend(scene.passed)
         now = time.monotonic()
         while self._stale and now - self._stale[0][0] > OUTDATED_S:
             self._stale.pop(0)[1].remove()
-        if self._changed and now - self._redrawn_at > REDRAW_S:
+        if (self._changed or self._waiting) and now - self._redrawn_at > REDRAW_S:
             self._redrawn_at = now
+            self._lower()
             for key in self._changed:
                 self._draw(key)
             self._changed.clear()
@@ -75,12 +78,15 @@ class GroundView:
 
     def clear(self) -> None:
         """Forget the ruts: time has jumped."""
+        self._waiting.clear()
         self._changed |= self.tiles.clear()
 
-    def _lower(self, nodes: FloatArray, radius: float) -> None:
-        """Press down what has come, (n, 3) x, y and depth [m]: after a jump of a bag that is all of a run so far."""
-        deepest = deepest_of_each(nodes)
-        self._changed |= self.tiles.lower(deepest[:, :2], deepest[:, 2], radius)
+    def _lower(self) -> None:
+        """Press down what waits, together: the wheels of a machine come by one place in many messages."""
+        for radius, nodes in self._waiting.items():
+            deepest = deepest_of_each(np.concatenate(nodes))
+            self._changed |= self.tiles.lower(deepest[:, :2], deepest[:, 2], radius)
+        self._waiting.clear()
 
     def _light_up(self, direction: FloatArray, stamp: int) -> None:
         self._sun = direction.copy()
