@@ -1,8 +1,6 @@
 """How often a page is shown on machines on which scenes cost little, and on those on which they cost much."""
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
@@ -51,15 +49,6 @@ def test_a_run_that_goes_by_the_wall_clock_is_known_by_its_bag(
     assert world_of_run(reference.path).is_in_real_time is is_so
 
 
-@contextmanager
-def page_of(world: World) -> Iterator[Page]:
-    page = Page(GuardedServer("frames", 9150), world, ToldFeed(world.table))
-    try:
-        yield page
-    finally:
-        page.close()
-
-
 @pytest.mark.parametrize(("is_in_real_time", "part"), [(True, REALTIME_PART), (False, PART)])
 def test_a_run_in_lock_step_is_left_more_of_the_processors(
     world: World, monkeypatch: pytest.MonkeyPatch, is_in_real_time: bool, part: float
@@ -72,6 +61,9 @@ def test_a_run_in_lock_step_is_left_more_of_the_processors(
 
     monkeypatch.setattr(page_module, "Frames", frames)
     monkeypatch.setattr(page_module.os, "sched_getaffinity", lambda _process: range(4))
-    with page_of(replace(world, is_in_real_time=is_in_real_time)) as page:
+    page = Page(GuardedServer("frames", 9150), replace(world, is_in_real_time=is_in_real_time), ToldFeed(world.table))
+    try:
         page.run(lambda: False)
+    finally:
+        page.close()
     assert asked == [4 * part]

@@ -15,8 +15,8 @@ import trimesh
 from sojourn_machine.params import FloatArray
 
 _GREY = (0.6, 0.6, 0.6, 1.0)
-_WXYZ_LAST = [0, 1, 2, 6, 3, 4, 5]
-"""Places in Pinocchio's x, y, z and quaternion x y z w of x, y, z and quaternion w x y z."""
+_W_FIRST = [0, 1, 2, 6, 3, 4, 5]
+"""Where Pinocchio's x, y, z and quaternion x y z w has x, y, z and quaternion w x y z."""
 _ROUND = 28
 """Sides of what is drawn for a round thing."""
 
@@ -63,7 +63,7 @@ class MachineShape:
         joints: angles [rad], ways [m]; a joint that is not named stands where it is zero.
         """
         self._place(joints)
-        return np.array([pinocchio.SE3ToXYZQUAT(place) for place in self._data.oMi])[:, _WXYZ_LAST]
+        return np.array([pinocchio.SE3ToXYZQUAT(place) for place in self._data.oMi])[:, _W_FIRST]
 
     def link(self, name: str, joints: Mapping[str, float]) -> tuple[FloatArray, FloatArray] | None:
         """Where a link's frame is in base_link: position (3,) [m], rotation (3, 3); None without such a link."""
@@ -97,7 +97,7 @@ def _part(shape: Any) -> Part:
 
 def _row(place: pinocchio.SE3) -> FloatArray:
     """A placement as x, y, z and quaternion w x y z."""
-    return np.asarray(pinocchio.SE3ToXYZQUAT(place)[_WXYZ_LAST])
+    return np.asarray(pinocchio.SE3ToXYZQUAT(place)[_W_FIRST])
 
 
 def _mesh(shape: Any) -> trimesh.Trimesh:

@@ -22,8 +22,8 @@ from sojourn_console.panels.shared_fields import SharedFields
 from sojourn_console.picking import met_by
 from sojourn_console.rehearsal import Now, believed
 from sojourn_console.rehearser import Rehearser
-from sojourn_console.views.view import GREEN, Shown, segments
-from sojourn_console.views.way_view import on_ground
+from sojourn_console.views.view import GREEN, segments
+from sojourn_console.views.way_view import on_ground, shown_line
 from sojourn_flight.arm.tasks.names import TASKS
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.params import FloatArray
@@ -64,7 +64,7 @@ class GoalsPanel(QuietPanel):
         self._send = gui.add_button("Send", icon=viser.Icon.SEND, color="green", visible=False)
         self._answer = gui.add_html("")
         self._shape = MachineShape(bench.world.scenario.urdf_xml)
-        self._line, self._ball = Shown(), Shown()
+        self._line = shown_line(bench.server, "/draft/line", GREEN, 3.0)
         self._handles: list[Any] = []
         self._asked: int | None = None
         self._sent: Sent | None = None
@@ -308,7 +308,6 @@ class GoalsPanel(QuietPanel):
         self._mark(draft if is_goal else Draft())
 
     def _mark(self, draft: Draft) -> None:
-        server, world = self._bench.server, self._bench.world
         while self._handles:
             self._handles.pop().remove()
         for number, point in enumerate(draft.points):
@@ -318,12 +317,7 @@ class GoalsPanel(QuietPanel):
         if not draft.is_way or len(points) < 2:
             self._line.remove()
         else:
-            line = segments(on_ground(world, _filled(np.array(points))))
-            self._line.put(
-                server.scene.add_line_segments(
-                    "/draft/line", line, colors=GREEN, thickness=3.0, thickness_units="screen"
-                )
-            )
+            self._line.draw(segments(on_ground(self._bench.world, _filled(np.array(points)))))
 
     def _handle(self, number: int, point: Point, draft: Draft) -> Any:
         """To drag a place with: on the ground, or at the tip of the arm."""

@@ -34,7 +34,7 @@ class TrackView:
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
         self._world = world
-        self._line = line(server, self.name, self.color, self.width)
+        self._line = shown_line(server, self.name, self.color, self.width)
         self._drawn = np.zeros((0, 3))
 
     def points(self, scene: RunScene) -> FloatArray:
@@ -80,7 +80,7 @@ class UncertaintyView:
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
         self._world = world
-        self._line = line(server, "/uncertainty", VIOLET, 3.0)
+        self._line = shown_line(server, "/uncertainty", VIOLET, 3.0)
         self._drawn = np.zeros((0, 3))
 
     def show(self, scene: RunScene) -> None:
@@ -98,7 +98,7 @@ class UncertaintyView:
         self._drawn = np.zeros((0, 3))
 
 
-def line(server: viser.ViserServer, name: str, color: Any, width: float) -> ShownPoints:
+def shown_line(server: viser.ViserServer, name: str, color: Any, width: float) -> ShownPoints:
     """One of segments. name: in the scene. width: as it is seen [pixels]."""
     add = server.scene.add_line_segments
     return ShownPoints(partial(add, name, colors=color, thickness=width, thickness_units="screen"))
