@@ -16,10 +16,12 @@ from sojourn_config.errors import ConfigError
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import named_fields
 from sojourn_contract.errors import UnknownFieldNameError
-from sojourn_contract.heartbeat import ENDED, STALLED, Counters, heartbeat_message, status_message
+from sojourn_contract.heartbeat import ENDED, STALLED, Counters, Heartbeat, heartbeat_message, status_message
 from sojourn_contract.stamps import NANOSECONDS
+from sojourn_contract.topic_types import ROLES
 from sojourn_contract.topics import STANDARD
 from sojourn_contract.values import BatteryState, Message, PoseStamped, TwistStamped
+from sojourn_operator.alarms.beats import Beats
 from sojourn_operator.alarms.engine import AlarmEngine, AlarmState
 from sojourn_operator.alarms.narrator import Narrator
 from sojourn_operator.alarms.params import AlarmParams, Severity
@@ -158,8 +160,8 @@ def test_the_log_has_what_nodes_goals_and_contract_say_each_once() -> None:
     counters = Counters()
     beats = [heartbeat_message("drive", "running", second * NANOSECONDS, counters) for second in (1, 2)]
     counters.count_refused("/cmd_vel", "too old")
-    beats += [heartbeat_message("drive", STALLED, 3 * NANOSECONDS, counters, "waits for sensors"),
-              heartbeat_message("plant", "running", 9 * NANOSECONDS, Counters())]  # fmt: skip
+    beats.append(heartbeat_message("drive", STALLED, 3 * NANOSECONDS, counters, "waits for sensors"))
+    beats += [heartbeat_message("plant", "running", second * NANOSECONDS, Counters()) for second in range(4, 9)]
     for beat in beats:
         state, events = narrator.step(state, "/diagnostics", beat)
         lines += [(event.kind, event.who, event.text) for event in events]
@@ -176,6 +178,45 @@ def test_the_log_has_what_nodes_goals_and_contract_say_each_once() -> None:
         state, events = narrator.step(state, "/drive/status", message)
         said += [event.text for event in events]
     assert said == ["moving", "reached: there"]
+
+
+def test_where_the_clock_leaps_nobody_is_silent() -> None:
+    """Each leap was told as the silence of all but the first to beat after it."""
+    beats = [
+        ("/diagnostics", heartbeat_message(role, "running", second * NANOSECONDS, Counters()))
+        for second in (60, 1260, 2460, 3660, 4860)
+        for role in ("plant", "sensors", "drive", "arm", "power")
+    ]
+    assert [text for _, text in told(*beats)] == ["running"] * 5
+
+
+def test_a_driver_with_a_clock_of_its_own_changes_no_time() -> None:
+    """All nodes were silent from its first word on, and a stop was told of a time in half a century."""
+    late = 1_790_000_000
+    strange = [status_message(late * NANOSECONDS, "lidar", {"temperature": "3"}),
+               heartbeat_message("lidar", "running", late * NANOSECONDS, Counters())]  # fmt: skip
+    beats = [
+        ("/diagnostics", heartbeat_message(role, "running", second * NANOSECONDS, Counters()))
+        for second in range(1, 9)
+        for role in ("plant", "drive")
+    ]
+    heard = [one for number, beat in enumerate(beats) for one in (beat, ("/diagnostics", strange[number % 2]))]
+    assert told(*heard, STOP) == [(1.0, "running"), (1.0, "running"), (1.0, "running"), (8.0, STANDS)]
+
+
+@given(st.lists(st.tuples(st.sampled_from(ROLES), st.integers(1, 3600)), max_size=60))
+def test_who_beats_with_the_last_is_not_silent(order: list[tuple[str, int]]) -> None:
+    """Whatever the leaps; and who has missed a beat has missed no more than there have been since."""
+    beats, now, times = Beats(), 0, dict[str, int]()
+    for role, leap in order:
+        now += leap * NANOSECONDS
+        beats = beats.after(Heartbeat(role, "running", "", now, {}, {}, {}))
+        times[role] = now
+    for role, stamp in times.items():
+        later = len({one for one in beats.stamps.values() if one > stamp})
+        missed = beats.missed[role]
+        assert (missed == 0) == (stamp == now) and later <= missed <= len(order)
+        assert beats.silent(missed)[role] == (now - stamp) / NANOSECONDS and role not in beats.silent(missed + 1)
 
 
 def told(*heard: tuple[str, Message]) -> list[tuple[float, str]]:

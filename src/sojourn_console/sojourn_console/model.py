@@ -18,22 +18,20 @@ from sojourn_contract.decoding import refusing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.ground import NAMES as GROUND_NAMES
 from sojourn_contract.heartbeat import RUNNING, read_heartbeats, status_values
-from sojourn_contract.stamps import NANOSECONDS
-from sojourn_contract.topic_types import ROLES
 from sojourn_contract.values import Image, Message, OccupancyGrid
 from sojourn_machine.params import FloatArray
+from sojourn_operator.alarms.beats import Beats
 
 TRACK = 4000
 """Points of the way behind that are kept."""
 TRACK_STEP = 0.05
 """Distance between two of them [m]."""
 CONTACT_NAMES = ("x", "y", "z", "sinkage", "slip_ratio", "force_x", "force_y", "force_z")
+COSTMAP = "/local_costmap/costmap"
 STATUSES = ("/drive/status", "/arm/status", "/power/status")
 NOTHING = np.zeros((0, 3))
 MISSED = 5
-"""Seconds of simulation in which others have beaten and a role that says it runs has not, from which on it is silent.
-Where the clock leaps there is one a leap: counted, that does not look like silence.
-"""
+"""Seconds in which others have beaten and a role that says it runs has not, from which on it is silent."""
 HANDFUL = 64
 """Of what has passed so much is taken out of a scene at a time: a tuple is copied whole whenever it grows."""
 CHARGE_TOLERANCE = 1e-7
@@ -89,8 +87,7 @@ class RunScene:
         costmap: what the drive takes for closed round it, None where it has not told.
         images: newest by topic. statuses: newest keys and values by topic. charge: by the power manager, 0 to 1;
             None where it is not known, battery_heard or not.
-        states: of the nodes by role, as their heartbeats tell; beats: stamps of the newest of them [ns]; missed: in how
-            many seconds others have beaten since.
+        states: of the nodes by role, as their heartbeats tell; beats: when each has been heard.
         refused: messages that could not be read, by topic.
     """
 
@@ -113,8 +110,7 @@ class RunScene:
     charge: float | None = None
     battery_heard: bool = False
     states: Mapping[str, str] = field(default_factory=dict)
-    beats: Mapping[str, int] = field(default_factory=dict)
-    missed: Mapping[str, int] = field(default_factory=dict)
+    beats: Beats = field(default_factory=Beats)
     refused: Mapping[str, int] = field(default_factory=dict)
 
     def status(self, topic: str) -> Mapping[str, str]:
@@ -124,12 +120,7 @@ class RunScene:
     @property
     def silent(self) -> dict[str, float]:
         """Roles that said they run and of which nothing is heard any more, and for how long [s of simulation]."""
-        newest = max(self.beats.values(), default=0)
-        return {
-            role: (newest - self.beats[role]) * 1e-9
-            for role, missed in self.missed.items()
-            if missed >= MISSED and self.states[role] == RUNNING
-        }
+        return {role: gone for role, gone in self.beats.silent(MISSED).items() if self.states[role] == RUNNING}
 
 
 def after_all(scene: RunScene, heard: Iterable[FeedMessage]) -> RunScene:
@@ -149,7 +140,8 @@ def after_all(scene: RunScene, heard: Iterable[FeedMessage]) -> RunScene:
         except RefusedMessageError:
             refused[name] = refused.get(name, 0) + 1
             continue
-        stamp = max(stamp, one.time)
+        if one.row.publisher != "all":  # anybody speaks there, by whatever clock
+            stamp = max(stamp, one.time)
         if len(scene.passed) + len(scene.lowered) >= HANDFUL:
             passed += scene.passed
             lowered += scene.lowered
@@ -230,15 +222,10 @@ def _battery(scene: RunScene, name: str, message: Message) -> RunScene:
 
 
 def _heartbeats(scene: RunScene, _: str, message: Message) -> RunScene:
-    states, beats, missed = dict(scene.states), dict(scene.beats), dict(scene.missed)
+    states, beats = dict(scene.states), scene.beats
     for beat in read_heartbeats(message):
-        states[beat.role] = beat.state
-        if beat.role not in ROLES:  # somebody's driver, by whatever clock
-            continue
-        if beat.stamp // NANOSECONDS > max(beats.values(), default=0) // NANOSECONDS:
-            missed = {role: count + 1 for role, count in missed.items()}
-        beats[beat.role], missed[beat.role] = beat.stamp, 0
-    return replace(scene, states=states, beats=beats, missed=missed)
+        states[beat.role], beats = beat.state, beats.after(beat)
+    return replace(scene, states=states, beats=beats)
 
 
 Take = Callable[[RunScene, str, Any], RunScene]
@@ -249,7 +236,7 @@ _TAKES: Mapping[str, Take] = {
     "/joint_states": _joints,
     "/plan": _plan,
     "/hazcam/points": _cloud,
-    "/local_costmap/costmap": _costmap,
+    COSTMAP: _costmap,
     "/truth/contacts": _contacts,
     "/truth/ground": _ground,
     "/battery_state": _battery,

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sojourn_contract.heartbeat import STALLED, Heartbeat, read_heartbeats, status_values
+from sojourn_contract.heartbeat import ENDED, STALLED, Heartbeat, read_heartbeats, status_values
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.values import (
@@ -20,6 +20,7 @@ from sojourn_contract.values import (
     PoseWithCovarianceStamped,
     TwistStamped,
 )
+from sojourn_operator.alarms.beats import Beats
 from sojourn_operator.alarms.events import Event
 from sojourn_operator.alarms.params import Severity
 
@@ -33,8 +34,8 @@ STATUSES: Mapping[str, tuple[tuple[str, str], ...]] = {
 TOLD = ("faults", "rolled over", "off the terrain", "lost commands")
 """Keys of heartbeats whose changes are told, where they say anything."""
 QUIET = ("", "false", "none", "idle")
-SILENT_S = 3.0
-"""After which a role that has been heard is silent: three heartbeats [s]."""
+MISSED = 3
+"""Heartbeats that a role has missed which is silent; there is one a second."""
 STREAM_S = 2.0
 """Velocities that come more often than this are one command [s]."""
 NODE, GOAL, CONTRACT = "node", "goal", "contract"
@@ -52,12 +53,13 @@ class NarratorState:
     """What has been told.
 
     Args:
-        said: last words by (topic or role, key). beats: last heartbeat of each role. silent: roles that are.
-        commanded: the last velocity of each stream of them.
+        said: last words by (topic or role, key). beats: last heartbeat of each role. heard: when that was.
+        silent: roles that are. commanded: the last velocity of each stream of them.
     """
 
     said: Mapping[tuple[str, str], str] = field(default_factory=dict)
     beats: Mapping[str, Heartbeat] = field(default_factory=dict)
+    heard: Beats = field(default_factory=Beats)
     silent: frozenset[str] = frozenset()
     commanded: Mapping[str, Velocity] = field(default_factory=dict)
 
@@ -84,7 +86,7 @@ class Narrator:
         if topic in STATUSES:
             said, events = dict(state.said), list(_changes(state, topic, message))
             said |= {(topic, key): status_values(message).get(key, "") for key, _ in STATUSES[topic]}
-            return NarratorState(said, state.beats, state.silent, state.commanded), events
+            return replace(state, said=said), events
         if topic in self.goals:
             event = Event(message.stamp, "operator", GOAL, Severity.NONE, f"{topic}: {goal_words(message)}")
             if not isinstance(message, TwistStamped):  # a velocity after it is a new command
@@ -95,20 +97,19 @@ class Narrator:
         return state, []
 
     def _hear_beats(self, state: NarratorState, message: DiagnosticArray) -> tuple[NarratorState, list[Event]]:
-        beats, silent = dict(state.beats), set(state.silent)
+        beats, heard, silent = dict(state.beats), state.heard, set(state.silent)
         events: list[Event] = []
         for beat in read_heartbeats(message):
             events += _beat_events(beats.get(beat.role), beat)
-            beats[beat.role] = beat
+            beats[beat.role], heard = beat, heard.after(beat)
             if beat.role in silent:
                 silent.discard(beat.role)
                 events.append(Event(beat.stamp, beat.role, NODE, Severity.NONE, "is heard again"))
-        for role, beat in beats.items():
-            if role not in silent and beat.stamp and message.stamp - beat.stamp > SILENT_S * NANOSECONDS:
+        for role, gone in heard.silent(MISSED).items():
+            if role not in silent and beats[role].state != ENDED:
                 silent.add(role)
-                text = f"has been silent for {SILENT_S:g} s"
-                events.append(Event(message.stamp, role, NODE, Severity.WARNING, text))
-        return NarratorState(state.said, beats, frozenset(silent), state.commanded), events
+                events.append(Event(message.stamp, role, NODE, Severity.WARNING, f"has been silent for {gone:.0f} s"))
+        return replace(state, beats=beats, heard=heard, silent=frozenset(silent)), events
 
 
 def goal_words(message: Message) -> str:

@@ -19,6 +19,7 @@ from sojourn_contract.heartbeat import ENDED, STALLED, read_heartbeats
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import seconds
 from sojourn_contract.topic_table import CLOCK, TopicTable
+from sojourn_contract.topic_types import ROLES
 from sojourn_contract.values import DiagnosticArray, DiagnosticStatus, Message
 from sojourn_operator.alarms.engine import Alarm, AlarmEngine, AlarmState, shown_value
 from sojourn_operator.alarms.events import Event
@@ -76,6 +77,8 @@ class Watch:
         has_ended = state.has_ended
         if topic == HEARTBEATS:
             beats = read_heartbeats(message)
+            if not any(beat.role in ROLES for beat in beats):
+                message = message._replace(stamp=state.now)  # of somebody's driver, by whatever clock
             if has_ended and any(beat.state == STALLED for beat in beats):
                 return state, []  # for a moment, at every end in real time: they wait for who has ended
             has_ended = next((beat.state == ENDED for beat in beats if beat.role == self.keeper), has_ended)
