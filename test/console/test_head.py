@@ -13,6 +13,7 @@ from sojourn_console.page import Page
 from sojourn_console.panels.head import LOUD
 from sojourn_console.world import World
 from sojourn_contract.heartbeat import ENDED, RUNNING, Counters, heartbeat_message, status_message
+from sojourn_contract.values import BatteryState, Message, TwistStamped
 
 SECOND = 1_000_000_000
 
@@ -46,6 +47,37 @@ def test_a_stop_holds_the_sequence_whatever_becomes_of_it(page: Page, feed: Told
     else:
         assert head_of(page)._stop().endswith("; the sequence is held")
     assert sequences.state.held
+
+
+VELOCITIES = (
+    "drive_velocity: {forward: 0.05, seconds: 60.0}",
+    "arm_jog: {linear: [0.0, 0.0, 0.01], seconds: 60.0}",
+    "begin: {step: {drive_velocity: {forward: 0.05, seconds: 60.0}}, seconds: 60.0}",
+)
+
+
+def moves(message: Message) -> bool:
+    return isinstance(message, TwistStamped) and bool(message.linear.any() or message.angular.any())
+
+
+@pytest.mark.parametrize("pressed", ["_stop", "_cancel"])
+@pytest.mark.parametrize("step", VELOCITIES)
+def test_no_velocity_is_said_again_after_a_stop(page: Page, feed: ToldFeed, step: str, pressed: str) -> None:
+    """The look after a stop sent the velocity of the sequence once more, and the machine went on."""
+    page.bench.sequences.begin(f"steps:\n  - {step}\n    on_failure: hold\n  - drive_to: {{x: 2.0, y: 0.5}}\n")
+    for _ in range(5):
+        page.look()
+        feed.now += SECOND // 10
+    assert moves(feed.said[-1][1])
+    said = len(feed.said)
+    getattr(head_of(page), pressed)()
+    for _ in range(20):
+        page.look()
+        feed.now += SECOND // 10
+    after = [message for _, message in feed.said[said:]]
+    assert after and not any(map(moves, after))
+    assert [entry.outcome for entry in page.bench.sequences.history][-1] == "stopped"
+    assert page.bench.sequences.state.held
 
 
 def test_a_role_that_says_nothing_more_is_told(page: Page, feed: ToldFeed) -> None:
@@ -85,6 +117,17 @@ def test_nobody_is_silent_beside_a_driver_with_a_clock_of_its_own(page: Page, fe
         beat(feed, second, "plant")
     show(page)
     assert "drive" in page.bench.scene.silent and "camera" not in page.bench.scene.silent
+
+
+def test_time_is_that_of_the_run_beside_a_driver_with_a_clock_of_its_own(page: Page, feed: ToldFeed) -> None:
+    """The head told the time of the driver from then on, and plots were not drawn any more."""
+    for second in range(1, 6):
+        beat(feed, second, "plant", "drive")
+        feed.tell("/battery_state", BatteryState(second * SECOND, percentage=0.5))
+        feed.tell("/diagnostics", status_message(1_790_000_000 * SECOND, "lidar", {"temperature": "3"}))
+        page.look()
+    assert page.bench.scene.stamp == 5 * SECOND
+    assert not [event for event in page.bench.alarms.log if event.severity]
 
 
 def test_where_the_clock_leaps_nobody_is_silent(page: Page, feed: ToldFeed) -> None:

@@ -120,6 +120,23 @@ class SequenceBoard:
         self.state = self._going().hold(self.state, self._who, self._feed.now)
         return "held: the step under way goes on"
 
+    def stop(self) -> str:
+        """Somebody stops the machine: no further step begins, and no velocity is said again. Returns what has become of
+        it, in words.
+        """
+        self.hold()
+        self.interrupt()
+        return f"the sequence is {self.state.phase if self.state.is_over else 'held'}"
+
+    def interrupt(self) -> str:
+        """Somebody ends what the machine is at: a step that keeps saying a velocity is over. Returns so, in words, ""
+        where there is none.
+        """
+        runner, before = self._runner, self.state
+        if runner is not None:
+            self._take(runner.interrupt(self.state, self._who, self._feed.now))
+        return "" if self.state is before else "the velocity of the sequence is not said again"
+
     def resume(self) -> str:
         """Steps begin again."""
         self.state = self._going().resume(self.state, self._who, self._feed.now)

@@ -71,12 +71,11 @@ class HeadPanel(QuietPanel):
         )
 
     def _stop(self) -> str:
-        """The sequence is held first: whatever becomes of the stop, no step of it may begin."""
+        """The sequence is stopped first: whatever becomes of the stop, no step of it may begin or go on."""
         bench = self._bench
         held = ""
         if bench.sequences.is_under_way:
-            bench.sequences.hold()
-            held = "; the sequence is held"
+            held = f"; {bench.sequences.stop()}"
         try:
             told = bench.desk.stop()
         except CommandError as error:
@@ -96,8 +95,9 @@ class HeadPanel(QuietPanel):
         if back and not moves:
             bench.desk.driven = None
             return back
+        said = bench.sequences.interrupt()  # or it would set the machine going again
         ended = bench.desk.cancel(bench.scene, moves)
-        return _aside(f"{back}; {ended}" if back else ended, uplink)
+        return _aside("; ".join(words for words in (back, said, ended) if words), uplink)
 
     def _taken(self, client: viser.ClientHandle | None) -> str:
         if client is not None:

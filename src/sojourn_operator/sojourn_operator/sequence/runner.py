@@ -19,7 +19,7 @@ from sojourn_operator.script import TIMED_OUT, GoalToSend
 from sojourn_operator.sequence.condition import Condition, conditions
 from sojourn_operator.sequence.file import SequenceConfig
 from sojourn_operator.sequence.stream import DROPPED_S, stream_s, why_broken
-from sojourn_operator.steps.step import DONE, GOOD_OUTCOMES, GoalReport, OperatorStep, RunFacts, View
+from sojourn_operator.steps.step import DONE, GOOD_OUTCOMES, STOPPED, GoalReport, OperatorStep, RunFacts, View
 
 WAITING, RUNNING, ENDED, ABORTED = "waiting", "running", "ended", "aborted"
 SKIPPED, FAILED = "skipped", "failed"
@@ -190,6 +190,12 @@ class SequenceRunner:
         stop = self._stop((self._action(state).role,)) if state.phase == RUNNING else []
         state = self._noted(state, now, who, self._action(state).describe(), SKIPPED)
         return self._next(state, now), stop
+
+    def interrupt(self, state: SequenceState, who: str, now: int) -> Answer:
+        """Somebody stops the machine. A step that keeps saying a velocity is over with that: it would go on at the next
+        look. Of a goal its role tells that it was stopped.
+        """
+        return self._over(state, now, (STOPPED, f"by {who}"), True) if self.streams(state) else (state, [])
 
     def abort(self, state: SequenceState, who: str, now: int, reason: str = "") -> Answer:
         """Everything stops."""

@@ -12,7 +12,7 @@ from sojourn_config.steps import LONGEST
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.values import Message, TwistStamped
 from sojourn_machine.params import Params
-from sojourn_operator.steps.step import FINAL_STATES, JOGGED, LEAD_NS, OperatorStep, View
+from sojourn_operator.steps.step import FINAL_STATES, JOGGED, LEAD_NS, STOPPED, OperatorStep, View
 
 REST = (0.0, 0.0, 0.0)
 
@@ -49,7 +49,7 @@ class ArmJogStep(Params, OperatorStep):
         report = view.reports.get(self.role)
         if report is None or report.goal_stamp < view.since + LEAD_NS or report.state not in FINAL_STATES:
             return None
-        if report.state != "stopped":
+        if report.state != STOPPED:
             return report.state, report.reason
         over = report.goal_stamp >= view.since + round(self.seconds * NANOSECONDS) + LEAD_NS
         return (JOGGED, report.reason) if over else None

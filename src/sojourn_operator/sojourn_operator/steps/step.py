@@ -16,13 +16,13 @@ from sojourn_contract.values import Message, Odometry
 if TYPE_CHECKING:
     from sojourn_physics.terrain.height_field import HeightField
 
-REACHED, REFUSED = "reached", "refused"
+REACHED, REFUSED, STOPPED = "reached", "refused", "stopped"
 WAITED = "waited"
 JOGGED = "jogged"
 DONE = "done"
 GOOD_OUTCOMES = (REACHED, WAITED, JOGGED, DONE)
 """Of a step that did what it was to do; DONE is for kinds that have no better word."""
-FINAL_STATES = (REACHED, REFUSED, "stopped", "failed")
+FINAL_STATES = (REACHED, REFUSED, STOPPED, "failed")
 """Of a goal that drive or arm is through with."""
 LEAD_NS = OPERATOR_LAG * CONTROL_PERIOD_NS
 """A goal takes effect so much after the look that led to it [ns]."""
