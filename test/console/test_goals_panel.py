@@ -6,6 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from deaf_feed import DeafFeed
 
@@ -14,6 +15,7 @@ from sojourn_console.draft import Draft
 from sojourn_console.feed import FeedMessage
 from sojourn_console.gate import GuardedServer
 from sojourn_console.goal_words import ARM, DRIVE, LOOK, ROUTE, TASK
+from sojourn_console.model import COSTMAP
 from sojourn_console.page import Page
 from sojourn_console.panels.goals import HANDLE, GoalsPanel
 from sojourn_console.panels.shared_fields import NOTICE_S
@@ -209,6 +211,34 @@ def test_a_page_changes_the_goal_while_it_or_nobody_has_the_control(page: Page, 
     assert page.bench.draft.kind == "drive"
     by(client, goals._mode, ROUTE)
     assert goals._mode.value == DRIVE and page.bench.draft.kind == "drive"
+
+
+def test_the_line_of_a_way_goes_through_a_point_that_was_dragged(page: Page, goals: GoalsPanel) -> None:
+    """It stayed where it had been, past a rock that the way was dragged away from."""
+    by(None, goals._mode, ROUTE)
+    for place in ((1.0, 0.0, 0.3), (2.0, 0.0, 0.3)):
+        goals._put(place)
+    drag(None, page, (1.0, 2.0, 0.3))
+    points = goals._line._handle.points[:, :, :2].reshape(-1, 2)
+    assert np.abs(points - (1.0, 2.0)).max(axis=1).min() < 1e-6
+    assert np.abs(points - (1.0, 0.0)).max(axis=1).min() > 0.5
+
+
+def test_what_the_drive_found_closed_is_heard_for_ways(page: Page, feed: DeafFeed, goals: GoalsPanel) -> None:
+    """A route over the map knew nothing of it unless the layer was shown."""
+    heard: list[set[str]] = []
+    feed.want = lambda looked_at, in_full: heard.append({*looked_at, *in_full})
+    for mode, is_heard in ((DRIVE, True), (ROUTE, True), (LOOK, False)):
+        by(None, goals._mode, mode)
+        page.look()
+        assert (COSTMAP in heard[-1]) is is_heard
+    by(None, goals._mode, ROUTE)
+    goals._put((2.0, 0.0, 0.3))
+    goals._change(replace(page.bench.draft, over_map=True))
+    goals._sending()
+    by(None, goals._mode, LOOK)
+    page.look()
+    assert COSTMAP in heard[-1]
 
 
 def test_a_page_is_told_again_after_a_while(page: Page, goals: GoalsPanel, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -203,7 +203,7 @@ def test_what_waits_is_taken_back_by_its_number(linked: Page, feed: DeafFeed) ->
     with pytest.raises(GoalError, match="nothing of that waits on Earth"):
         panel._taken_back()
     hear(linked, feed, said(status(state="queued", queued_s="390.00")))
-    assert panel._back.visible and panel._which.options == ("all", "3")
+    assert panel._back.visible and panel._which.handle.options == ("all", "3")
     assert panel._taken_back() == head._cancel() == "command 3 is taken back"
     assert [(name, message.frame) for name, message in feed.said] == [("/earth/cancel", "3")] * 2
     hear(linked, feed, said(status(state="sent", sent_s="399.00")))

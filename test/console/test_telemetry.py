@@ -13,7 +13,10 @@ from sojourn_bags.fields import series
 from sojourn_bags.reading import Bag
 from sojourn_console.bag_feed import BagFeed
 from sojourn_console.errors import GoalError, LayoutError
+from sojourn_console.gate import GuardedServer
 from sojourn_console.layouts import layouts_file, read_layouts, save_layout
+from sojourn_console.page import SLOW, Page
+from sojourn_console.panels.telemetry_panel import EVERY, TelemetryPanel
 from sojourn_console.telemetry import DRAWN, FieldCurve, Telemetry, aligned, as_csv
 from sojourn_console.world import World
 
@@ -115,3 +118,24 @@ def test_layouts_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     file.write_text("{", encoding="utf-8")
     with pytest.raises(LayoutError, match="cannot be read"):
         read_layouts(file)
+
+
+def test_a_field_is_a_plot_or_a_number_and_not_both(reference: Bag, world: World) -> None:
+    """The plot of one that was asked for as a number stood still, and never went on when asked for again."""
+    page = Page(GuardedServer("telemetry", 9170), world, BagFeed(reference, world.table))
+    try:
+        (panel,) = (one for one in page._tabs if isinstance(one, TelemetryPanel))
+        field, feed = "/battery_state.percentage", page.bench.feed
+        assert isinstance(feed, BagFeed)
+
+        def shown(as_number: bool) -> tuple[bool, bool]:
+            """Whether it is drawn, and in the table."""
+            panel._follow(field, as_number)
+            for _ in range(2 * EVERY * SLOW):
+                feed.advance(0.05)
+                page.look()
+            return field in panel._plots, field in panel._table.content
+
+        assert [shown(as_number) for as_number in (False, True, False)] == [(True, False), (False, True), (True, False)]
+    finally:
+        page.close()

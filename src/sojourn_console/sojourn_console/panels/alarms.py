@@ -10,6 +10,7 @@ from sojourn_console.alarm_board import AlarmBoard
 from sojourn_console.alarm_sound import sound_html
 from sojourn_console.feed import FeedMessage
 from sojourn_console.model import RunScene
+from sojourn_console.panels.choice import ALL, Choice
 from sojourn_console.panels.panel import QuietPanel, Workbench, put, table_html
 from sojourn_console.panels.sight import BAND_MARK, ONE_LINE
 from sojourn_contract.stamps import seconds
@@ -17,8 +18,7 @@ from sojourn_operator.alarms.engine import Alarm, shown_value
 from sojourn_operator.alarms.params import Severity
 
 SEVERITY_COLORS = {Severity.WATCH: "#64a0d2", Severity.WARNING: "#ff9f0a", Severity.CRITICAL: "#ff453a"}
-KINDS = ("all", "alarm", "goal", "node", "contract", "operator")
-ALL = "all"
+KINDS = (ALL, "alarm", "goal", "node", "contract", "operator")
 LINES = 60
 """Of the log that are shown, the latest first."""
 SOUNDING = 15
@@ -34,7 +34,7 @@ class AlarmsPanel(QuietPanel):
         self._bench, self._board = bench, bench.alarms
         gui = bench.server.gui
         self._list = gui.add_html(alarms_html(self._board))
-        self._which: Any = gui.add_dropdown("Alarm", (ALL,))
+        self._which = Choice(gui, "Alarm")
         self._seen = gui.add_button("Acknowledge", icon=viser.Icon.CHECK)
         self._sounds = gui.add_checkbox("Sound", True)
         self._sound = gui.add_html("")
@@ -55,9 +55,7 @@ class AlarmsPanel(QuietPanel):
     def show(self, scene: RunScene) -> None:
         put(self._list, alarms_html(self._board))
         put(self._log, log_html(self._board, self._kind.value))
-        options = (ALL, *(alarm.key for alarm in self._board.open))
-        if tuple(self._which.options) != options:
-            self._which.options = options
+        self._which.offer([alarm.key for alarm in self._board.open])
         self._silent_in = max(self._silent_in - 1, 0)
         if self._risen and self._sounds.value:
             self._played, self._silent_in = self._played + 1, SOUNDING
@@ -71,8 +69,7 @@ class AlarmsPanel(QuietPanel):
         self._risen = Severity.NONE
 
     def _acknowledged(self) -> str:
-        key = self._which.value
-        return self._board.acknowledge("" if key == ALL else key)
+        return self._board.acknowledge(self._which.chosen)
 
     def _write(self, client: Any) -> str:
         data = [event.as_data() for event in self._board.log]

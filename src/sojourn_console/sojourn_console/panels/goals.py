@@ -16,7 +16,7 @@ from sojourn_console.far_way import FarWay
 from sojourn_console.goal_words import ARM, DRIVE, LOOK, ROUTE, TASK, foresight_rows, hint_html, rehearsal_rows
 from sojourn_console.link_words import command_words
 from sojourn_console.machine_shape import MachineShape
-from sojourn_console.model import RunScene
+from sojourn_console.model import COSTMAP, RunScene
 from sojourn_console.panels.panel import QuietPanel, Workbench, table_html
 from sojourn_console.panels.shared_fields import SharedFields
 from sojourn_console.picking import met_by
@@ -76,6 +76,11 @@ class GoalsPanel(QuietPanel):
         self._shared = SharedFields(bench)
         self._connect()
         self._redraw()
+
+    def topics(self) -> frozenset[str]:
+        """A way over the map goes round what the drive has found closed."""
+        is_way = self._far is not None or self._mode.value in (DRIVE, ROUTE)
+        return frozenset((COSTMAP,)) if is_way else frozenset()
 
     def show(self, scene: RunScene) -> None:
         drive = scene.status("/drive/status")
@@ -312,6 +317,10 @@ class GoalsPanel(QuietPanel):
             self._handles.pop().remove()
         for number, point in enumerate(draft.points):
             self._handles.append(self._handle(number, point, draft))
+        self._draw_line(draft)
+
+    def _draw_line(self, draft: Draft) -> None:
+        """Of a way, from where the machine is."""
         pose = self._bench.scene.pose
         points = [*([pose.position] if pose is not None else []), *map(np.array, draft.points)]
         if not draft.is_way or len(points) < 2:
@@ -341,6 +350,7 @@ class GoalsPanel(QuietPanel):
                 z = float(on_ground(self._bench.world, np.array([[x, y, 0.0]]))[0, 2])
             self._lay(self._bench.draft.moved(number, (x, y, z)))
             self._hint.content = hint_html(self._mode.value, self._bench.draft)
+            self._draw_line(self._bench.draft)
 
         def dragged(event: Any) -> None:
             with self._bench.lock:

@@ -10,10 +10,10 @@ from sojourn_console.feed import FeedMessage
 from sojourn_console.link_ahead import LinkAhead
 from sojourn_console.link_words import link_rows
 from sojourn_console.model import RunScene
+from sojourn_console.panels.choice import Choice
 from sojourn_console.panels.panel import QuietPanel, Workbench, put, table_html
 
 NONE = [("link", "none: the operator stands beside the machine"), ("light takes", "0 s"), ("on its way", "nothing")]
-ALL = "all"
 
 
 class LinkPanel(QuietPanel):
@@ -31,7 +31,7 @@ class LinkPanel(QuietPanel):
         self._over: Any = gui.add_checkbox(
             "Over the link", bench.uplink.is_used, visible=self._commands, hint="Goals, STOP, Pause, Resume and Cancel"
         )
-        self._which: Any = gui.add_dropdown("Waits on Earth", (ALL,), visible=False)
+        self._which = Choice(gui, "Waits on Earth", visible=False)
         self._back = gui.add_button("Take back", icon=viser.Icon.ARROW_BACK_UP, visible=False)
         self._words = gui.add_html(table_html(NONE) if self._ahead is None else "")
         self._over.on_update(lambda event: self._switch(event.client))
@@ -50,9 +50,8 @@ class LinkPanel(QuietPanel):
         self._ahead.look(scene.stamp, x, y)
         put(self._words, table_html(link_rows(self._bench.uplink, scene.stamp, self._ahead)))
         waiting = self._bench.uplink.waiting() if self._commands else ()
-        self._which.visible = self._back.visible = bool(waiting)
-        if waiting and self._which.options != (ALL, *waiting):
-            self._which.options = (ALL, *waiting)
+        self._which.handle.visible = self._back.visible = bool(waiting)
+        self._which.offer(waiting)
 
     def clear(self) -> None:
         self._bench.uplink.clear()
@@ -71,5 +70,5 @@ class LinkPanel(QuietPanel):
         return "goals and stops go over the link" if self._over.value else "goals and stops go round the link, at once"
 
     def _taken_back(self) -> str:
-        waiting, which = self._bench.uplink.waiting(), self._which.value
-        return self._bench.uplink.take_back(waiting if which == ALL else (which,))
+        uplink, which = self._bench.uplink, self._which.chosen
+        return uplink.take_back((which,) if which else uplink.waiting())

@@ -122,6 +122,9 @@ class TelemetryPanel:
         self.telemetry.follow(field)
         if as_number:
             self._numbers.add(field)
+            self._close_plot(field)
+        else:
+            self._numbers.discard(field)
 
     def _draw(self, field: str, now: float) -> None:
         curves = self.telemetry.curves(field)[:MOST_CURVES]
@@ -154,9 +157,12 @@ class TelemetryPanel:
         with self._bench.lock:
             self.telemetry.forget(field)
             self._numbers.discard(field)
-            box, _, _ = self._plots.pop(field, (None, None, ()))
-            if box is not None:
-                box.remove()
+            self._close_plot(field)
+
+    def _close_plot(self, field: str) -> None:
+        box, _, _ = self._plots.pop(field, (None, None, ()))
+        if box is not None:
+            box.remove()
 
     def _write(self, client: Any) -> str:
         curves = [curve for field in self.telemetry.fields for curve in self.telemetry.curves(field)]

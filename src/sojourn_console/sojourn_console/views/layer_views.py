@@ -7,7 +7,7 @@ import numpy as np
 import viser
 
 from sojourn_console.ground_layers import slope_colors, slopes_of
-from sojourn_console.model import RunScene
+from sojourn_console.model import COSTMAP, RunScene
 from sojourn_console.views.view import RED, Shown
 from sojourn_console.views.way_view import on_ground
 from sojourn_console.world import World
@@ -60,7 +60,7 @@ class ClosedView:
     """What the drive takes for closed on its map, zones among it: nothing before it has seen anything."""
 
     title: ClassVar[str] = "closed to the drive"
-    needs: ClassVar[tuple[str, ...]] = ("/local_costmap/costmap",)
+    needs: ClassVar[tuple[str, ...]] = (COSTMAP,)
     starts_shown: ClassVar[bool] = False
 
     def __init__(self, server: viser.ViserServer, world: World) -> None:
