@@ -36,6 +36,10 @@ def test_our_own_campaigns_can_be_run(name: str) -> None:
             START + "runs: 3\nvalues: {soil.n: {kind: uniform, low: 1.0, high: 0.5}}\n",
             "high = 0.5: allowed is above low, 1",
         ),
+        (
+            START + "runs: 3\nvalues: {soil.n: {kind: log_normal, median: 1.0, factor: 1.0e+200}}\n",
+            "factor = 1e.200: allowed is a number",
+        ),
         (START + "runs: 3\nvalues: {soil: {kind: choice, of: []}}\n", "of at least 1 values"),
         (START + "values: {soil.n: {kind: uniform, low: 0, high: 1}}\n", "a number of runs where nothing has a grid"),
         (START + "runs: 3\nset: {seed: 1}\nvalues: {seed: {kind: integers, low: 1, high: 2}}\n", "not among `values`"),

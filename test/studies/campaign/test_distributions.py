@@ -57,6 +57,7 @@ def test_a_choice_keeps_to_its_weights_and_never_takes_what_weighs_nothing() -> 
         (lambda: UniformParams(kind="uniform", low=1.0, high=1.0), "above low, 1"),
         (lambda: NormalParams(kind="normal", mean=0.0, deviation=1.0, low=9.0), "leave more than"),
         (lambda: NormalParams(kind="normal", mean=0.0, deviation=0.0), "greater than 0"),
+        (lambda: LogNormalParams(kind="log_normal", median=1.0, factor=1e200), "less than or equal to 10"),
         (lambda: ChoiceParams(kind="choice", of=()), "at least 1 item"),
         (lambda: ChoiceParams(kind="choice", of=(1, 2), weights=(0.0, 0.0)), "one of them above 0"),
         (lambda: IntegersParams(kind="integers", low=3, high=2), "at least low, 3"),

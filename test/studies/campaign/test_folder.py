@@ -23,6 +23,10 @@ def finished(number: int, result: str = MET, kept: bytes = b"") -> Finished:
     return Finished({"run": number, "result": result}, {"cpu_s": 1.0}, kept)
 
 
+def full(_: int) -> None:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
 def test_a_line_that_was_cut_off_is_done_again(tmp_path: Path) -> None:
     with open_folder(tmp_path / "c", IDENTITY) as folder:
         for number in (0, 2, 1):
@@ -141,15 +145,27 @@ def test_a_folder_that_is_gone_is_named(tmp_path: Path, again: bool) -> None:
 
 
 def test_a_folder_that_takes_nothing_more_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(_: int) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
     with open_folder(tmp_path, IDENTITY) as folder:
         folder.take(finished(0))
         with monkeypatch.context() as patch:
             patch.setattr(os, "fsync", full)
             with pytest.raises(CampaignError, match="cannot be written: No space left on device"):
                 folder.take(finished(1))
+        assert folder.done() == {0}
+
+
+def test_a_folder_that_was_full_at_its_first_write_can_be_opened_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was begun there was taken for somebody else's."""
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(UsageError, match="No space left on device"), open_folder(tmp_path, IDENTITY):
+            pass
+    assert not (tmp_path / IDENTITY_FILE).exists()
+    with open_folder(tmp_path, IDENTITY) as folder:
+        folder.take(finished(0))
+    with open_folder(tmp_path, IDENTITY) as folder:
         assert folder.done() == {0}
 
 

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -131,6 +132,36 @@ def test_a_scheduler_that_goes_while_a_run_is_fetched_loses_no_run(
         with pytest.raises(CampaignError, match="the scheduler is gone"):
             rounds.carry_out(client, orders(2), CARRIED, taken.append)
     assert not taken
+
+
+def test_two_campaigns_on_one_scheduler_have_each_its_own_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second had the rows and the configuration of the first, as a scheduler does what has a key once."""
+
+    def whose(order: Order, carried: CarriedFiles) -> Finished:
+        return Finished({"run": order.draw.number, "result": MET, "of": (order.scenario, carried.files)})
+
+    monkeypatch.setattr(rounds, "do", whose)
+    taken: dict[str, list[Finished]] = {"one": [], "other": []}
+
+    def carry_out(client: Client, name: str, take: Callable[[Finished], None]) -> None:
+        own = (replace(order, scenario=name) for order in orders(8))
+        rounds.carry_out(client, own, CarriedFiles({name: b"1"}), take)
+
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as here,
+        Client(here, set_as_default=False) as one,
+        Client(here, set_as_default=False) as other,
+    ):
+
+        def take(finished: Finished) -> None:
+            taken["one"].append(finished)
+            if len(taken["one"]) == 1:  # while others of the first are under way
+                carry_out(other, "other", taken["other"].append)
+
+        carry_out(one, "one", take)
+    for name, ended in taken.items():
+        assert sorted(run.row["run"] for run in ended) == list(range(8))
+        assert [run.row["of"] for run in ended] == [(name, {name: b"1"})] * 8
 
 
 def taken_until_the_end(task: Task, count: int, monkeypatch: pytest.MonkeyPatch) -> list[Finished]:

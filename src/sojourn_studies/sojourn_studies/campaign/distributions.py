@@ -113,7 +113,7 @@ class LogNormalParams(Distribution):
     """Its logarithm is normal: for what is positive and varies by a factor."""
 
     median: float = Field(gt=0.0, description="half of all values are below it")
-    factor: float = Field(gt=1.0, description="by which one standard deviation multiplies or divides [1]")
+    factor: float = Field(gt=1.0, le=1e30, description="by which one standard deviation multiplies or divides [1]")
 
     def quantile(self, share: float) -> float:
         """As the base."""

@@ -9,6 +9,8 @@ from typing import Any
 from sojourn_config.command_errors import UsageError
 
 IDENTITY, JOURNAL, LOCK = "campaign.json", "journal.jsonl", "lock"
+_FRESH = "campaign.fresh"
+"""Of the identity while it is written; it stays where that is cut off."""
 FILES, READ = "files", "files read"
 """Of an identity: digests of the files that its runs read, by name; of all that one run reads, by the run."""
 _GROWING = (FILES, READ)
@@ -27,7 +29,7 @@ def check_identity(path: Path, identity: dict[str, Any]) -> None:
     """
     file = path / IDENTITY
     if not (file.exists() and (path / JOURNAL).exists()):
-        others = [one.name for one in path.iterdir() if one.name != LOCK]
+        others = [one.name for one in path.iterdir() if one.name not in (LOCK, _FRESH)]
         if others and not file.exists():
             raise UsageError(f"{path}: holds {others[0]} and is no folder of a campaign: name an empty one with --out")
         _write(file, identity)
@@ -58,7 +60,7 @@ def _read(file: Path) -> dict[str, Any]:
 
 def _write(file: Path, identity: Mapping[str, Any]) -> None:
     """The file is swapped in whole, and is on the disk then: without it the rows beside it are nobody's."""
-    fresh = file.with_suffix(".fresh")
+    fresh = file.with_name(_FRESH)
     with fresh.open("w", encoding="utf-8") as stream:
         stream.write(json.dumps(identity, indent=1))
         stream.flush()

@@ -86,7 +86,7 @@ def _sensitivity(found: CampaignFindings) -> str:
         "S is the first-order index: the share of the outcome's variance that is gone once the input is known (Sobol "
         "1993; correlation ratio over classes: McKay 1995, Plischke et al. 2013; less what chance gives: Kelley 1935). "
         f"r is Spearman's rank correlation with its {PERCENT} interval (Bonett and Wright 2000). Faint: not told from "
-        "chance, which gives as much in more than one campaign of a hundred."
+        "chance, which gives as much in one campaign of a hundred or more (permutation test: Fisher 1935)."
     )
     by_place = {(one.key, one.outcome): one for one in found.influences}
     outcomes = [name for name in OUTCOMES if any(name == one.outcome for one in found.influences)]

@@ -8,6 +8,7 @@ only beside a deadly run has its row, and the deadly one is lost.
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any, NamedTuple, NoReturn
+from uuid import uuid4
 
 from distributed import Client, Future, KilledWorker, as_completed
 from distributed.scheduler import NoWorkerError
@@ -51,12 +52,13 @@ def carry_out(client: Client, orders: Iterable[Order], carried: CarriedFiles, ta
     Raises:
         CampaignError: the scheduler or all its workers are gone, or run after run is lost.
     """
+    token = uuid4().hex  # of this campaign's keys: a scheduler has what two clients call alike done once, for both
     # not scattered: what is scattered is gone with the last worker that has it, what is computed is computed anew
-    here = client.submit(_as_it_is, carried, key="carried", pure=False)
+    here = client.submit(_as_it_is, carried, key=f"carried-{token}", pure=False)
     most = LOST_IN_A_ROW * threads(client)
     held: list[_Ended] = []
     losses = _Losses(most)
-    for ended in _ended(client, orders, here, lambda: AHEAD * threads(client), "run"):
+    for ended in _ended(client, orders, here, lambda: AHEAD * threads(client), f"run-{token}"):
         if ended.killed:
             held.append(ended)
         else:
@@ -64,7 +66,7 @@ def carry_out(client: Client, orders: Iterable[Order], carried: CarriedFiles, ta
         if losses.are_too_many(ended.finished):
             _stop(ended, held, take, most)
     losses = _Losses(most)
-    for ended in _ended(client, [one.order for one in held], here, lambda: 1, "run-alone"):
+    for ended in _ended(client, [one.order for one in held], here, lambda: 1, f"run-alone-{token}"):
         held.pop(0)
         take(ended.finished)
         if losses.are_too_many(ended.finished):
@@ -86,7 +88,8 @@ def _ended(
     """Runs as they end.
 
     Args:
-        here: the files that they need, on the workers. most: how many may be under way now. name: of the tasks.
+        here: the files that they need, on the workers. most: how many may be under way now. name: of the
+            tasks, that no others on the scheduler have.
     """
     rest = iter(orders)
     by_key: dict[Any, Order] = {}

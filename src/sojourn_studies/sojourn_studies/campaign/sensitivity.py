@@ -7,6 +7,9 @@
   correlation ratio over classes of X (McKay 1995; Plischke, Borgonovo and Smith 2013, Eur. J. Oper. Res. 226, 536),
   less what chance alone would give (Kelley 1935, Proc. Natl. Acad. Sci. 21, 554). Classes: the names, or sqrt(n)
   equally filled ranges: what varies within a range is not seen.
+- How often chance alone gives as much: the runs are dealt to the classes at random (permutation test: Fisher 1935, The
+  Design of Experiments), which holds for few runs, many classes and outcomes of any distribution, until it is sure that
+  nothing is told (Besag and Clifford 1991, Biometrika 78, 301).
 
 Inputs are taken to be independent of each other, as a campaign draws them; grids or lists that do not end evenly are
 not.
@@ -17,7 +20,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as fisher_f
 from scipy.stats import norm, rankdata
 
 from sojourn_studies.campaign.rates import CONFIDENCE
@@ -26,7 +28,11 @@ FloatArray = NDArray[np.float64]
 LEAST_RUNS = 8
 """With fewer nothing is said."""
 CHANCE = 0.01
-"""An index that chance alone exceeds more often than this is not told from nothing [1]."""
+"""An index that chance alone gives as often as this, or more often, is not told from nothing [1]."""
+DEALS = 999
+"""Of the runs to the classes at random, at most."""
+_ENOUGH = round(CHANCE * (DEALS + 1))
+"""Deals that give as much, after which nothing is told, however the others would be."""
 
 
 class Correlation(NamedTuple):
@@ -64,19 +70,36 @@ def rank_correlation(inputs: FloatArray, outcome: FloatArray, confidence: float 
 def first_order(classes: NDArray[np.int64], outcome: FloatArray) -> FirstOrder | None:
     """Of an input by the class of each run, shape (n,), and an outcome, shape (n,); None where nothing can be said."""
     count = len(outcome)
-    _, classes = np.unique(classes, return_inverse=True)
-    groups = int(classes.max()) + 1 if count else 0
-    total = float(np.sum((outcome - outcome.mean()) ** 2)) if count else 0.0
-    if count < LEAST_RUNS or groups < 2 or count <= groups or total <= 0.0:
+    if count < LEAST_RUNS or np.ptp(outcome) == 0.0:
         return None
-    sizes = np.bincount(classes)
-    means = np.bincount(classes, weights=outcome) / sizes
-    within = max(total - float(np.sum(sizes * (means - outcome.mean()) ** 2)), 0.0)
-    index = 1.0 - (within / total) * (count - 1) / (count - groups)
-    if within <= 1e-12 * total:
-        return FirstOrder(1.0, 0.0)
-    ratio = ((total - within) / (groups - 1)) / (within / (count - groups))
-    return FirstOrder(max(index, 0.0), float(fisher_f.sf(ratio, groups - 1, count - groups)))
+    _, places, sizes = np.unique(classes, return_inverse=True, return_counts=True)
+    groups = len(sizes)
+    if groups < 2 or count <= groups:
+        return None
+    deviations = outcome - outcome.mean()
+    total = float(deviations @ deviations)
+    between = _between(np.bincount(places, deviations).astype(np.float64), sizes)
+    index = 1.0 - (1.0 - between / total) * (count - 1) / (count - groups)
+    return FirstOrder(min(max(index, 0.0), 1.0), _chance(deviations, sizes, between - 1e-9 * total))
+
+
+def _between(sums: FloatArray, sizes: NDArray[np.int64]) -> float:
+    """Sum of squares between classes, of the sum of deviations in each and its size, shape (m,) each."""
+    return float(np.sum(sums**2 / sizes))
+
+
+def _chance(deviations: FloatArray, sizes: NDArray[np.int64], between: float) -> float:
+    """How often as much is between classes of these sizes, shape (m,), to which runs, shape (n,), are dealt at random
+    [1]: the same for the same runs.
+    """
+    dealer, starts = np.random.default_rng(0), np.cumsum(sizes) - sizes
+    as_much = 0
+    for dealt in range(1, DEALS + 1):
+        sums = np.add.reduceat(dealer.permutation(deviations), starts)
+        as_much += _between(sums, sizes) >= between
+        if as_much == _ENOUGH:
+            return as_much / dealt
+    return (as_much + 1) / (DEALS + 1)
 
 
 def classes_of(values: Sequence[Any]) -> NDArray[np.int64]:

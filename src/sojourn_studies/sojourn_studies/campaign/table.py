@@ -60,12 +60,17 @@ def write_costs(path: Path, costs: Mapping[int, Mapping[str, Any]]) -> None:
 
 
 def _type_of(values: Sequence[Any]) -> pa.DataType:
-    kinds = {type(value) for value in values if value is not None}
+    kinds = {_kind_of(value) for value in values if value is not None}
     if kinds <= {bool}:
         return pa.bool_()
     if kinds <= {int}:
         return pa.int64()
     return pa.float64() if kinds <= {int, float} else pa.string()
+
+
+def _kind_of(value: Any) -> type:
+    """Its type; a whole number that has no room in 64 bits counts as a floating-point number."""
+    return float if type(value) is int and not -(2**63) <= value < 2**63 else type(value)
 
 
 def _cell(value: Any, kind: pa.DataType) -> Any:
