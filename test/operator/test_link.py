@@ -17,6 +17,7 @@ from sojourn_contract.topics import topic
 from sojourn_contract.values import UPRIGHT, Header, Message, Odometry
 from sojourn_operator.app import OperatorApp, OperatorState
 from sojourn_operator.goal_messages import drive_goal, route_goal, stop_messages
+from sojourn_operator.link.commands import KEPT
 from sojourn_operator.link.length import bits
 from sojourn_operator.scenario_steps import prepare_scenario
 
@@ -211,6 +212,30 @@ def test_velocities_by_hand_are_superseded_while_they_wait() -> None:
         bench.run(0.1, [("/earth/cmd_vel", stop)])
     bench.run(30.0)
     assert len(bench.of("/cmd_vel")) == 1 and not bench.commands()
+
+
+def test_velocities_do_not_push_out_what_is_known_of_a_command() -> None:
+    """Of one before a drive by hand the Earth heard neither receipt nor end."""
+    bench = Bench("{light_time_s: 10.0}")
+    _, stop = stop_messages(0)[0]
+    request = status_message(0, "request", {"cameras": "off"})
+    bench.run(0.1, [("/earth/power/request", request), ("/earth/arm/goal_pose", GOAL)])
+    for _ in range(100):
+        bench.run(0.1, [("/earth/cmd_vel", stop)])
+    bench.run(20.0)
+    assert [values["state"] for values in bench.commands().values()] == ["received"] * 2
+    log = bench.state.link.log if bench.state.link is not None else ()
+    assert [one.number for one in log] == sorted(one.number for one in log)
+    assert len(log) == 2 + KEPT and all(one.given for one in log), "by it reports tell of which velocity they are"
+
+
+def test_a_command_that_is_not_over_is_told_of_however_many_come_after_it() -> None:
+    bench = Bench("{light_time_s: 1.0}")
+    bench.run(1.0, [("/earth/arm/goal_pose", GOAL)])
+    bench.run(10.0, [("/earth/goal_pose", GOAL)] * 40)
+    told = bench.commands()
+    assert list(told) == ["command 1", *(f"command {number}" for number in range(26, 42))]
+    assert told["command 1"]["state"] == "received" and told["command 41"]["state"] == "executed"
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,9 @@
 """One direction of a link, against laws that any link keeps, and by hand."""
 
 import math
+from collections import Counter
+from collections.abc import Iterator
+from itertools import product
 
 import pytest
 from hypothesis import given
@@ -121,6 +124,53 @@ def test_the_first_in_priority_goes_first_and_what_has_begun_goes_on() -> None:
         ("later stop", 2.0),
         ("status", 2.5),
     ]
+
+
+def begun(channel: Channel, every: list[tuple[int, int]], looks: int, look: int) -> Iterator[tuple[set[int], set[int]]]:
+    """Names of which a packet has begun to be sent from each look to the next, and those that have waited all the time.
+
+    Args:
+        every: of each name bits, and looks from one packet to the next. look: time between two [ns].
+    """
+    state = ChannelState()
+    for number in range(looks):
+        for name, (bits, wait) in enumerate(every):
+            if number % wait == 0:
+                state, _ = channel.offered(state, Packet(name, bits, name=str(name)))
+        before = {packet.content for packet in state.waiting}
+        state, _ = channel.advanced(state, (number + 1) * look, 0, ALWAYS)
+        after = {packet.content for packet in state.waiting}
+        yield before - after, before & after
+
+
+@given(st.lists(st.tuples(st.integers(1, 6000), st.integers(1, 12)), min_size=2, max_size=5))
+def test_among_equals_none_waits_while_another_is_sent_twice(every: list[tuple[int, int]]) -> None:
+    passed_by: dict[tuple[int, int], int] = {}
+    for gone, kept in begun(Channel(16000.0), every, 200, SECOND // 10):
+        passed_by = {(name, other): count for (name, other), count in passed_by.items() if name in kept}
+        for pair in product(kept, gone):
+            passed_by[pair] = passed_by.get(pair, 0) + 1
+        assert max(passed_by.values(), default=0) <= 1
+
+
+@pytest.mark.parametrize(
+    ("rate", "every", "look", "looks"),
+    [(1000.0, [(900, 1)] * 2, SECOND, 120), (16000.0, [(5600, 1), (3000, 1), (3000, 1)], SECOND // 10, 1200)],
+)
+def test_equals_are_sent_equally_often(rate: float, every: list[tuple[int, int]], look: int, looks: int) -> None:
+    """The one that came first was sent alone, or none was: who comes often lost its turn each time."""
+    counts = Counter(name for gone, _ in begun(Channel(rate), every, looks, look) for name in gone)
+    assert len(counts) == len(every) and max(counts.values()) - min(counts.values()) <= 1
+    sent = sum(bits * counts[name] for name, (bits, _) in enumerate(every))
+    assert sent >= rate * look * looks / SECOND - max(bits for bits, _ in every)
+
+
+def test_what_is_dropped_leaves_its_turn_to_the_next_of_its_name() -> None:
+    """And what is new goes behind all that was there before it, where others of its name still wait."""
+    channel, state = Channel(1000.0), ChannelState()
+    for content in ("a1", "b1", "a2", "b2", "a3"):
+        state, _ = channel.offered(state, Packet(content, 100, name=content[0], keep=2))
+    assert [packet.content for packet in state.waiting] == ["a2", "b1", "b2", "a3"] and state.tally.dropped == 1
 
 
 def test_what_the_window_cuts_goes_on_in_the_next() -> None:

@@ -17,7 +17,7 @@ UNDONE = (EXPIRED, CANCELLED, DROPPED)
 OVER = (EXECUTED, SUPERSEDED, *UNDONE)
 """States after which nothing more is heard of a command."""
 KEPT = 64
-"""Last commands that are remembered, and that may wait of one topic."""
+"""Last commands that are remembered, and as many velocities; commands that may wait of one topic."""
 VELOCITIES = tuple(row.name for row in GOAL_TOPICS if row.max_age_s < 1.0)
 """What is said many times a second, of which only the newest waits and none is acknowledged."""
 FIRST = ("/arm/stop", *VELOCITIES)

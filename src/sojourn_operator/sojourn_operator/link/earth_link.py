@@ -57,7 +57,7 @@ class LinkState:
     up: ChannelState = field(default_factory=ChannelState)
     down: ChannelState = field(default_factory=ChannelState)
     log: tuple[SentCommand, ...] = ()
-    """The last commands, the newest last."""
+    """The last commands and the last velocities, the newest last."""
     taken: Mapping[str, int] = field(default_factory=dict)
     """Stamp of the last message of telemetry that has been taken, by topic [ns]."""
     samples: tuple[TelemetrySample, ...] = ()
@@ -164,8 +164,8 @@ class EarthLink:
         up, packet = self._up.offered(state.up, packet)
         gone = {one.number for one in state.up.waiting} - {one.number for one in up.waiting}
         dropped = _marked(state.log, gone, DROPPED, now, "too many of its topic were waiting")
-        log = (*dropped, SentCommand(packet.number, name, message.stamp, now, known=now))[-KEPT:]
-        return replace(state, up=up, log=log)
+        log = (*dropped, SentCommand(packet.number, name, message.stamp, now, known=now))
+        return replace(state, up=up, log=_last(log))
 
     def _overtaken(self, state: LinkState, now: int, name: str) -> LinkState:
         """Without the goals of a role that wait while a stop or a velocity for it is sent: that goes before them, and
@@ -188,6 +188,13 @@ class EarthLink:
         """A command that waits is taken back."""
         up, _ = self._up.cancelled(state.up, number)
         return replace(state, up=up, log=_marked(state.log, {number}, CANCELLED, now, reason))
+
+
+def _last(log: Sequence[SentCommand]) -> tuple[SentCommand, ...]:
+    """What is remembered of a log. Velocities count by themselves: many a second, they would push out all else."""
+    velocities = [one for one in log if one.topic in VELOCITIES][-KEPT:]
+    others = [one for one in log if one.topic not in VELOCITIES][-KEPT:]
+    return tuple(sorted((*velocities, *others), key=lambda one: one.number))
 
 
 def _marked(

@@ -2,12 +2,12 @@
 
 from sojourn_contract.stamps import NANOSECONDS
 from sojourn_contract.values import DiagnosticArray, DiagnosticStatus, Odometry
-from sojourn_operator.link.commands import VELOCITIES
+from sojourn_operator.link.commands import OVER, VELOCITIES
 from sojourn_operator.link.earth_link import EarthLink, LinkState
 from sojourn_physics.link.channel import ChannelState
 
 SHOWN = 16
-"""Last commands that it tells of."""
+"""Last commands that it tells of, beside all that are not over."""
 
 
 def link_status(link: EarthLink, state: LinkState, stamp: int, truth: Odometry) -> DiagnosticArray:
@@ -21,8 +21,9 @@ def link_status(link: EarthLink, state: LinkState, stamp: int, truth: Odometry) 
         "down_waiting": str(len(state.down.waiting) + (state.down.sending is not None)),
         "down_waiting_bits": f"{state.down.bits_waiting:.0f}",
     }
-    commands = [command for command in state.log if command.topic not in VELOCITIES][-SHOWN:]
-    told = (DiagnosticStatus(f"command {one.number}", tuple(one.values().items()), one.state) for one in commands)
+    commands = [command for command in state.log if command.topic not in VELOCITIES]
+    shown = [*(command for command in commands[:-SHOWN] if command.state not in OVER), *commands[-SHOWN:]]
+    told = (DiagnosticStatus(f"command {one.number}", tuple(one.values().items()), one.state) for one in shown)
     return DiagnosticArray(stamp, (DiagnosticStatus("link", tuple(values.items()), values["window"]), *told))
 
 

@@ -1,9 +1,10 @@
 """One direction of a link: what waits to be sent, what is on its way, what arrives, and what does not.
 
 A packet is sent when its turn comes, bit by bit at the channel's rate while a window is open; where the window closes
-it goes on in the next one. Those of the lowest number of priority go first, among equals the oldest; one that has begun
-is not interrupted. It arrives one light time after its last bit has left, unless it is lost, which chance decides for
-each packet by itself, or comes too late. So that
+it goes on in the next one. Those of the lowest number of priority go first, equals in turn: what is new goes behind
+them, and what is dropped for newer ones of its name leaves its turn to the next of that name, so that a name that comes
+often does not wait for ever. One that has begun is not interrupted. It arrives one light time after its last bit has
+left, unless it is lost, which chance decides for each packet by itself, or comes too late. So that
 
     offered = arrived + lost + expired + dropped + cancelled + on its way + waiting
 
@@ -118,12 +119,13 @@ class Channel:
         """With one more that waits, and that packet with its number."""
         number = state.tally.offered + 1
         packet = packet._replace(number=number)
-        alike = [one for one in state.waiting if one.name == packet.name]
-        dropped = {one.number for one in alike[: max(0, len(alike) + 1 - packet.keep)]}
-        waiting = [one for one in state.waiting if one.number not in dropped]
-        place = next((k for k, one in enumerate(waiting) if one.priority > packet.priority), len(waiting))
-        waiting.insert(place, packet)
-        tally = replace(state.tally, offered=number, dropped=state.tally.dropped + len(dropped))
+        waiting = [*state.waiting, packet]
+        alike = [one for one in waiting if one.name == packet.name]
+        dropped = max(0, len(alike) - packet.keep)
+        moved = {one.number for one in alike[1 : dropped + 1]}  # dropped, but for the last, which has the first's place
+        waiting = [alike[dropped] if one is alike[0] else one for one in waiting if one.number not in moved]
+        waiting.sort(key=lambda one: one.priority)
+        tally = replace(state.tally, offered=number, dropped=state.tally.dropped + dropped)
         return replace(state, waiting=tuple(waiting), tally=tally), packet
 
     def cancelled(self, state: ChannelState, number: int) -> tuple[ChannelState, bool]:
