@@ -4,11 +4,13 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from sojourn_bags import compare_command as compare
 from sojourn_bags import plot_command as plot
 from sojourn_bags import recover_command as recover
 from sojourn_bags import report_command as report
@@ -46,15 +48,41 @@ def test_a_report_goes_into_a_folder_that_is_named(run: Path, tmp_path: Path, op
     assert not [path for path in tmp_path.parent.iterdir() if path.name.startswith(f"{tmp_path.name}.")]
 
 
-@pytest.mark.parametrize("options", [[], ["--html", "--no-contract"]])
-def test_a_report_is_its_owners_alone_as_its_bag_is(run: Path, tmp_path: Path, options: list[str]) -> None:
+@pytest.fixture
+def open_to_all() -> Iterator[None]:
+    """What is written can be read by everybody, unless somebody sees to it."""
     before = os.umask(0o022)
-    try:
-        assert report.main([str(run), "--out", str(tmp_path), *options]) == 0
-        assert os.umask(0o022) == 0o022  # what else is written is as it was
-    finally:
-        os.umask(before)
-    assert {path.stat().st_mode & 0o777 for path in tmp_path.iterdir() if path.is_file()} == {0o600}
+    yield
+    assert os.umask(before) == 0o022  # what else is written is as it was
+
+
+def modes(folder: Path) -> set[int]:
+    """Of all that is in a folder."""
+    return {path.stat().st_mode & 0o777 for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("options", [[], ["--html", "--no-contract"]])
+def test_a_report_is_its_owners_alone_as_its_bag_is(
+    run: Path, tmp_path: Path, options: list[str], open_to_all: None
+) -> None:
+    assert report.main([str(run), "--out", str(tmp_path), *options]) == 0
+    assert modes(tmp_path) == {0o600}
+
+
+def test_so_are_a_plot_and_its_numbers(run: Path, tmp_path: Path, open_to_all: None) -> None:
+    arguments = [str(run), "/truth/electrical.percentage", "--out", str(tmp_path / "a.png")]
+    assert plot.main([*arguments, "--csv", str(tmp_path / "a.csv")]) == 0
+    assert modes(tmp_path) == {0o600}
+
+
+def test_so_are_a_mended_bag_and_the_result_of_a_comparison(run: Path, tmp_path: Path, open_to_all: None) -> None:
+    cut, out = tmp_path / "cut.mcap", tmp_path / "out"
+    data = (run / "bag" / "bag_0.mcap").read_bytes()
+    cut.write_bytes(data[: len(data) // 2])
+    out.mkdir()
+    assert recover.main([str(cut), "--out", str(out / "mended")]) == 0
+    assert compare.main([str(run), str(run), "--json", str(out / "same.json"), "--bag", str(out / "both")]) == 0
+    assert modes(out) == {0o600, 0o700}
 
 
 def test_plot_prints_the_numbers(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,14 +1,25 @@
 """The policy of access: each role its rows of the contract, and nothing else."""
 
+import subprocess
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+import rclpy
+from rclpy.context import Context
 
 from sojourn_bringup import secure, start
 from sojourn_bringup.access import SUPERVISOR, access_policy, enclave_of
+from sojourn_bringup.monitor import Monitor
+from sojourn_bringup.plan import RunPlan
+from sojourn_bringup.process_table import process
+from sojourn_bringup.supervisor import time_of
 from sojourn_config.command_errors import UsageError
 from sojourn_config.ros_environment import what_the_network_opens
 from sojourn_config.scenario import load_scenario
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topics import ROLES, STANDARD
 
@@ -72,3 +83,79 @@ def test_what_it_does_not_go_with(option: tuple[str, ...]) -> None:
 def test_the_network_is_told_by_its_ports() -> None:
     """DDSI-RTPS 2.3, 9.6.1.1: domain 1 begins at 7650."""
     assert "UDP ports 7650 to 7899" in what_the_network_opens(1)
+
+
+@pytest.mark.parametrize("inherited", [None, "7"])
+def test_keys_are_for_the_domain_of_the_run(
+    inherited: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They were for that of the shell, or 0: sros2 takes the domain from the environment."""
+    if inherited is None:
+        monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    else:
+        monkeypatch.setenv("ROS_DOMAIN_ID", inherited)
+    seen = list[Mapping[str, str]]()
+
+    def run(command: list[str], env: Mapping[str, str], **_given: Any) -> subprocess.CompletedProcess[str]:
+        seen.append(env)
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr(subprocess, "run", run)
+    secure.make_keystore(RunPlan("flat_drive", tmp_path, ROLES, ROLES, domain=42, secure=True), STANDARD)
+    assert [env["ROS_DOMAIN_ID"] for env in seen] == ["42"] and "PATH" in seen[0]
+
+
+@pytest.fixture
+def context(domain: int) -> Iterator[Context]:
+    made = Context()
+    rclpy.init(args=[], context=made, domain_id=domain)
+    yield made
+    rclpy.try_shutdown(context=made)
+
+
+def opened(node: Any) -> dict[str, set[str]]:
+    """Names of what a node has open, as its domain sees it."""
+    name, namespace = node.get_name(), node.get_namespace()
+    found = {
+        "publish": node.get_publisher_names_and_types_by_node(name, namespace),
+        "subscribe": node.get_subscriber_names_and_types_by_node(name, namespace),
+        "reply": node.get_service_names_and_types_by_node(name, namespace),
+        "request": node.get_client_names_and_types_by_node(name, namespace),
+    }
+    return {what: {topic for topic, _ in entries} for what, entries in found.items()}
+
+
+def assert_may(node: Any, permitted: Mapping[str, set[str]]) -> None:
+    """Everything that a node has open is allowed; and it has something open."""
+    found = opened(node)
+    assert {what: names - permitted.get(what, set()) for what, names in found.items()} == {key: set() for key in found}
+    assert found["publish"]
+
+
+@pytest.mark.parametrize("realtime", [False, True])
+@pytest.mark.parametrize("role", ROLES)
+def test_a_node_opens_nothing_that_its_role_may_not(
+    role: str, realtime: bool, context: Context, tmp_path: Path
+) -> None:
+    """One that did could not start: what DDS security denies, the ROS library raises."""
+    plan = RunPlan("lunar_sample", tmp_path, ROLES, ROLES, realtime=realtime, namespace="/one")
+    table = table_of(load_scenario(plan.scenario))
+    given = {**plan.parameters(role), "companions": list(plan.companions) or [""]}
+    node = process(role).load_class()(context=context, namespace=plan.namespace, overrides=given)
+    try:
+        policy = access_policy(table, plan.participants, plan.namespace, plan.companions)
+        assert_may(node, allowed(policy)[enclave_of(role)])
+    finally:
+        node.destroy_node()
+
+
+def test_the_supervisor_opens_nothing_that_it_may_not(tmp_path: Path) -> None:
+    plan = RunPlan("lunar_sample", tmp_path, ROLES, ROLES, namespace="/one")
+    with Monitor(plan.namespace, {}, time_of(plan)) as monitor:
+        assert_may(monitor._node, allowed(access_policy(STANDARD, ROLES, plan.namespace))[enclave_of(SUPERVISOR)])
+
+
+def test_a_closed_node_opens_nothing_by_itself(context: Context) -> None:
+    node = ClosedNode("closed", context=context)
+    assert_may(node, {"publish": {"/parameter_events"}})
+    node.destroy_node()

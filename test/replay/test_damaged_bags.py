@@ -15,7 +15,7 @@ from sojourn_bags.reading import bag_file, read_bag
 from sojourn_bags.salvage import Salvage
 from sojourn_bringup import replay as replay_command
 from sojourn_bringup.references import references_folder
-from sojourn_config.command_errors import CommandError
+from sojourn_config.command_errors import CommandError, UsageError
 
 FILE = bag_file(references_folder() / "themes" / "articulated")
 
@@ -61,6 +61,30 @@ def test_a_damaged_bag_is_refused_or_judged(seed: int, loose: bytes, tmp_path: P
             assert command([str(path), *options]) in (0, 1)
         except CommandError as refusal:
             assert str(refusal)
+
+
+def with_nonsense(bag: bytes, number: int) -> bytes:
+    """The same bag, in which a tick is still a sound message: of that with this number one bit of its text is another.
+    Of these ticks the first announces a goal, the others say again that it was sent.
+    """
+    begin = -1
+    for _ in range(number + 1):
+        begin = bag.index(b"/waypoints=1", begin + 1)
+    return bag[:begin] + b"/waypoints<1" + bag[begin + len(b"/waypoints<1") :]
+
+
+def test_a_tick_that_says_nonsense_is_passed_over(loose: bytes, tmp_path: Path) -> None:
+    """The nodes refuse it; the replay ended in a traceback of that refusal."""
+    path = tmp_path / "damaged.mcap"
+    path.write_bytes(with_nonsense(loose, 1))
+    assert replay_command.main([str(path), "--node", "drive", "--direct"]) in (0, 1)
+
+
+def test_a_goal_that_no_tick_announces_any_more_is_named(loose: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "damaged.mcap"
+    path.write_bytes(with_nonsense(loose, 0))
+    with pytest.raises(UsageError, match="nothing tells when drive took it"):
+        replay_command.main([str(path), "--node", "drive", "--direct"])
 
 
 def test_it_takes_no_more_memory_than_twice_that_of_the_sound_one(loose: bytes, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from sojourn_bags.errors import BagsError
 from sojourn_bags.messages import Messages
 from sojourn_bags.reading import Bag, read_bag
 from sojourn_config.command_errors import UsageError
+from sojourn_config.command_line import only_owner
 
 
 def read_runs(paths: Sequence[Path]) -> list[Bag]:
@@ -31,6 +32,7 @@ def read_runs(paths: Sequence[Path]) -> list[Bag]:
         raise UsageError(str(error)) from error
 
 
+@only_owner()
 def write_result(
     given: argparse.Namespace,
     comparison: Comparison,

@@ -76,6 +76,7 @@ def heard_script_of(bag: Bag, role: str) -> HeardScript:
         raise ReplayError(f"{bag.path}: {error}") from error
     if not acted:
         raise ReplayError(f"{bag.path}: nothing in it tells what {role} acted on, so that it cannot be replayed")
+    _check_names(bag, role, table.inputs_of(role, {*participants, role}), acted, took)
     periods = _periods(bag, table, acted, took)
     recorded = _said(bag, table, role, {period.at for period in periods})
     if not recorded:
@@ -106,6 +107,21 @@ def _first_life(beats: Sequence[Heartbeat]) -> list[Heartbeat]:
             break
         found.append(beat)
     return found
+
+
+def _check_names(
+    bag: Bag, role: str, heard: Sequence[Topic], acted: Sequence[tuple[Acted, str]], took: Sequence[Took]
+) -> None:
+    """Raise ReplayError unless the role tells of what it hears: of all its inputs, and of no goals but its own."""
+    inputs = {row.name for row in heard if not row.is_event and row.publisher != "all"}
+    wrong = {goal.topic for goal in took} - {row.name for row in heard if row.is_event}
+    for each, _ in acted:
+        wrong |= each.inputs.keys() ^ inputs
+    if wrong:
+        told = ", ".join(map(repr, sorted(wrong)))
+        raise ReplayError(
+            f"{bag.path}: what {role} tells of {told} is not what it hears, so that it cannot be replayed"
+        )
 
 
 def _periods(

@@ -13,6 +13,7 @@ from sojourn_bags.fields import Series, series
 from sojourn_bags.plot import draw, write_table
 from sojourn_bags.reading import read_bag
 from sojourn_config.command_errors import UsageError
+from sojourn_config.command_line import only_owner
 
 
 def summary(found: Sequence[Series]) -> str:
@@ -26,6 +27,7 @@ def summary(found: Sequence[Series]) -> str:
     return "\n".join(lines)
 
 
+@only_owner()
 def run(given: argparse.Namespace) -> int:
     """Draw fields of a bag."""
     console = Console(highlight=False, soft_wrap=True)

@@ -10,6 +10,7 @@ from sojourn_bags.completeness import HEARTBEATS
 from sojourn_bags.errors import BagsError, NothingToRecoverError, UnreadableBagError
 from sojourn_bags.recovery import Findings, examine, recover, recovered_folder
 from sojourn_config.command_errors import CommandError, UsageError
+from sojourn_config.command_line import only_owner
 
 NANOSECONDS = 1_000_000_000
 A_DAY = 86400 * NANOSECONDS
@@ -66,6 +67,7 @@ def _moment(time_ns: int | None) -> str:
     return datetime.fromtimestamp(time_ns / NANOSECONDS, tz=UTC).strftime("%Y-%m-%d %H:%M:%S.%f")[:-3] + " UTC"
 
 
+@only_owner()
 def run(given: argparse.Namespace) -> int:
     """Mend a bag; 0 if there is a whole one in the end."""
     console = Console(highlight=False, soft_wrap=True)

@@ -12,7 +12,6 @@ from typing import Any, Protocol
 import rclpy
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from sojourn_bags.candidate import Candidate
@@ -25,6 +24,7 @@ from sojourn_bags.replay_choices import DEFAULT_TIMEOUT_S
 from sojourn_bags.replay_script import HEARTBEATS, ReplayPeriod, Script
 from sojourn_bags.role_beats import beats_of
 from sojourn_contract import qos, stamps
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.codecs import encode
 from sojourn_contract.conformance.endpoints import Endpoint, endpoint_findings
 from sojourn_contract.conformance.findings import value_text
@@ -272,14 +272,8 @@ class ReplayHarness:
 
     # Endpoints
 
-    def _make_node(self, name: str) -> Node:
-        return Node(
-            name,
-            context=self.context,
-            namespace=self.namespace or None,
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
+    def _make_node(self, name: str) -> ClosedNode:
+        return ClosedNode(name, context=self.context, namespace=self.namespace)
 
     def _sender(self, row: Topic) -> Any:
         return self._node.create_publisher(message_class(row.type), self.input_name(row), qos.profile(row, True))

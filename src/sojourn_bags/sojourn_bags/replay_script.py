@@ -277,13 +277,16 @@ def _took(role: str, topics: Mapping[str, Messages]) -> dict[tuple[str, int], li
 
 def ticks_of(topics: Mapping[str, Messages]) -> dict[int, tuple[dict[str, int], bool]]:
     """Of each tick of the operator, by period: the goals sent so far, and whether it ends the run."""
+    found: dict[int, tuple[dict[str, int], bool]] = {}
     if TICK not in topics:
-        return {}
+        return found
     messages = topics[TICK]
-    return {
-        stamp // CONTROL_PERIOD_NS: parse_tick(messages.decode(index).frame_id)
-        for index, stamp in enumerate(stamps_of(messages))
-    }
+    for index, stamp in enumerate(stamps_of(messages)):
+        try:
+            found[stamp // CONTROL_PERIOD_NS] = parse_tick(messages.decode(index).frame_id)
+        except RefusedMessageError:  # the nodes refuse it, too
+            continue
+    return found
 
 
 def announced_in(row: Topic, stamp: int, ticks: Mapping[int, tuple[dict[str, int], bool]]) -> int:

@@ -1,7 +1,6 @@
 """The report of a bag as a picture or as a page: the work of scripts/report."""
 
 import argparse
-import os
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from sojourn_bags.reading import Bag, bag_file, read_bag
 from sojourn_bags.report import write_report
 from sojourn_bags.summary import fault_lines, goal_lines, summarise, write_summary
 from sojourn_config.command_errors import UsageError
-from sojourn_config.command_line import ONLY_OWNER
+from sojourn_config.command_line import only_owner
 
 
 def place_of(bag: Path) -> Path:
@@ -49,10 +48,10 @@ def _page(bag: Bag, page: Path, judged: bool, console: Console) -> None:
     console.print(str(page), markup=False)
 
 
+@only_owner()
 def run(given: argparse.Namespace) -> int:
     """Report of a bag; 0 if it could be written and the bag is whole."""
     console = Console(highlight=False, soft_wrap=True)
-    before = os.umask(ONLY_OWNER)
     try:
         bag = read_bag(given.bag)
         out: Path = given.out or place_of(given.bag)
@@ -67,6 +66,4 @@ def run(given: argparse.Namespace) -> int:
         raise UsageError(f"{error}{hint}") from error
     except OSError as error:
         raise UsageError(f"{error.filename}: {error.strerror}") from error
-    finally:
-        os.umask(before)
     return unless_cut_off(0, [bag])

@@ -10,8 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from rclpy.node import Node
-
 from sojourn_bags.candidate import Candidate
 from sojourn_bags.comparison import compare, stamps_of
 from sojourn_bags.comparison_result import Comparison, Divergence
@@ -21,6 +19,7 @@ from sojourn_bags.messages import Messages
 from sojourn_bags.replay_harness import DRAIN_S, POLL_S, ReplayHarness, ReplaySettings
 from sojourn_bags.replay_script import CLOCK, HEARTBEATS, ReplayPeriod
 from sojourn_bags.shadow_tap import Tap
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
@@ -96,13 +95,7 @@ class Shadow(ReplayHarness):
 
     def __enter__(self) -> "Shadow":
         super().__enter__()
-        self._tap_node = Node(
-            f"shadow_of_{self.script.role}",
-            context=self.context,
-            namespace=self._stack or None,
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
+        self._tap_node = ClosedNode(f"shadow_of_{self.script.role}", context=self.context, namespace=self._stack)
         self.tap = Tap(self.script.role, self.script.participants, self.script.table, self._lockstep, self._tap_node)
         self._executor.add_node(self._tap_node)
         return self

@@ -11,11 +11,14 @@ from sojourn_contract.bundling import REPEATS, bundle_of
 from sojourn_contract.topic_table import TopicTable
 
 ENCLAVES = "/sojourn"
+RECORDER = "recorder"
 SUPERVISOR = "supervisor"
 """The node of start.py, which hears how the others are and says nothing."""
 _SUPERVISED = ("/diagnostics", "/drive/status")
+_VIEWED = ("/robot_description", "/tf_static", "/tf")
+"""What the recorder says to viewers, see `sojourn_bags.live_model`: rows of no contract."""
 _EVERY_NODE = ("/parameter_events",)
-"""What the ROS library itself says, of every node."""
+"""What the ROS library itself says, of every node of ours, see `closed_node`."""
 
 
 def enclave_of(role: str) -> str:
@@ -37,6 +40,7 @@ def access_policy(
     for role in participants:
         says = [row.name for row in table.outputs_of(role, participants)]
         hears = [row.name for row in table.inputs_of(role, participants)]
+        says += _VIEWED if role == RECORDER else ()
         if role in companions:
             says += [bundle_of(role).name, REPEATS.name]
             hears += [*(bundle_of(other).name for other in companions if other != role), REPEATS.name]

@@ -14,6 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.command_errors import UsageError
 from sojourn_config.ros_environment import ros_variables
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.conformance.endpoints import Endpoint
 from sojourn_contract.conformance.findings import Finding
 from sojourn_contract.conformance.judge import CLOCK, Judge
@@ -108,9 +109,7 @@ class LiveSource:
         os.environ.update(ros_variables(self.domain))
         self.stop.install()
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
-            "contract_check", namespace=self.namespace or None, enable_rosout=False, start_parameter_services=False
-        )
+        self._node = ClosedNode("contract_check", namespace=self.namespace)
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
         return self

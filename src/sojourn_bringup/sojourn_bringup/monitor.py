@@ -12,6 +12,7 @@ from sojourn_bringup.access import SUPERVISOR
 from sojourn_bringup.health import Health, Progress
 from sojourn_bringup.plant_time import PlantTime
 from sojourn_contract import qos
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.heartbeat import read_heartbeats, status_values
@@ -40,9 +41,7 @@ class Monitor:
 
     def __enter__(self) -> "Monitor":
         rclpy.init(args=self._arguments, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
-            SUPERVISOR, namespace=self._namespace or None, enable_rosout=False, start_parameter_services=False
-        )
+        self._node = ClosedNode(SUPERVISOR, namespace=self._namespace)
         self.listen(topic("/diagnostics"), self._on_heartbeat)
         self.listen(topic("/drive/status"), self._on_drive_status)
         self._executor = PromptExecutor()

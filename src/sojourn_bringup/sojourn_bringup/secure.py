@@ -44,7 +44,8 @@ def make_keystore(plan: RunPlan, table: TopicTable) -> dict[str, str]:
     keystore, policy = plan.run_dir / KEYSTORE, plan.run_dir / POLICY
     policy.write_text(access_policy(table, plan.participants, plan.namespace, plan.companions), encoding="utf-8")
     command = ["ros2", "security", "generate_artifacts", "-k", str(keystore), "-p", str(policy)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    there = {**os.environ, "ROS_DOMAIN_ID": str(plan.domain)}  # for whose domain the keys are, it takes from there
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=there)
     if done.returncode != 0:
         said = (done.stderr or done.stdout).strip().splitlines()
         raise CommandError(f"{' '.join(command)}: {said[-1] if said else f'ended with status {done.returncode}'}")

@@ -6,7 +6,8 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -151,6 +152,16 @@ def count(text: str) -> int:
 def say(text: str) -> None:
     """Lines for whoever looks, shown at once: what a long command is at, and what others say; see `shown`."""
     print(shown(text), flush=True)
+
+
+@contextmanager
+def only_owner() -> Iterator[None]:
+    """What is written meanwhile is its owner's alone, see ONLY_OWNER; also as a decorator."""
+    before = os.umask(ONLY_OWNER)
+    try:
+        yield
+    finally:
+        os.umask(before)
 
 
 def run_script(main: Callable[[Sequence[str] | None], int], arguments: Sequence[str] | None = None) -> NoReturn:

@@ -26,6 +26,7 @@ from sojourn_console.errors import GoalError
 from sojourn_console.feed import FeedMessage
 from sojourn_contract import onlookers, qos
 from sojourn_contract.bundling import unpack
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.codecs import encode
 from sojourn_contract.decoding import stamp_of
 from sojourn_contract.errors import RefusedMessageError
@@ -75,9 +76,7 @@ class LiveFeed:
         self._refusal, self._claimed_at = self._claimed(), monotonic()
         os.environ.update(ros_variables(domain))
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
-            ROLE, namespace=namespace or None, enable_rosout=False, start_parameter_services=False
-        )
+        self._node = ClosedNode(ROLE, namespace=namespace)
         self._executor = PromptExecutor()
         self._executor.add_node(self._node)
         self._listen(table.topic(CLOCK), in_full=False)

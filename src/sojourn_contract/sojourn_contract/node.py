@@ -10,14 +10,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rclpy.context import Context
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from sojourn_config.known_machine import KnownMachine
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import stamps
 from sojourn_contract.arrival import TICK, check_input
 from sojourn_contract.barrier import Barrier, awaited_inputs
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.codecs import decode
 from sojourn_contract.decoding import refusing, stamp_of
 from sojourn_contract.endpoints import Endpoints
@@ -54,7 +53,7 @@ READY_REPEAT_S = 0.2
 """Wall time between heartbeats before the run."""
 
 
-class ContractNode(Node):
+class ContractNode(ClosedNode):
     """A node that keeps the contract of one role.
 
     ROS parameters: `scenario` (name or path), `overrides` (KEY=VALUE texts that go over it), `lockstep`
@@ -77,14 +76,7 @@ class ContractNode(Node):
         namespace: str | None = None,
         every_period: bool = False,
     ) -> None:
-        super().__init__(
-            role,
-            context=context,
-            namespace=namespace,
-            parameter_overrides=[Parameter(name, value=value) for name, value in (overrides or {}).items()],
-            enable_rosout=False,
-            start_parameter_services=False,
-        )
+        super().__init__(role, context=context, namespace=namespace, overrides=overrides)
         self.role = role
         self.scenario_name: str = self.declare_parameter("scenario", "lunar_sample").value
         self.lockstep: bool = self.declare_parameter("lockstep", True).value

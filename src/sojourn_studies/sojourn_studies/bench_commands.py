@@ -24,6 +24,7 @@ from sensor_msgs.msg import JointState
 from sojourn_config.command_errors import CommandError
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import qos
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.stamps import CONTROL_PERIOD_S
 from sojourn_contract.topics import topic
 from sojourn_studies.probed_stack import ProbedStack
@@ -55,7 +56,7 @@ class CommandClock:
         os.environ.update(ros_variables(self.domain))
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=self.domain)
-        self._node = rclpy.create_node("command_clock", context=self._context, enable_rosout=False)
+        self._node = ClosedNode("command_clock", context=self._context)
         row = topic("/cmd_vel")
         self._sender = self._node.create_publisher(TwistStamped, row.name.lstrip("/"), qos.profile(row, False))
         row = topic("/drive_command")

@@ -21,6 +21,7 @@ from sojourn_config.ros_environment import ros_variables
 from sojourn_config.scenario import load_scenario
 from sojourn_contract import qos
 from sojourn_contract.app import Answer, Period
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.codecs import decode, encode
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_table import TopicTable
@@ -147,7 +148,7 @@ def _middleware(spoken: Sequence[Sequence[Said]], domain: int) -> float:
     """Mean time of a period [us]: its messages published as bytes and taken as such by one listener each."""
     os.environ.update(ros_variables(domain, False))
     rclpy.init(args=[])
-    node, taken = rclpy.create_node("bench_period"), [0]
+    node, taken = ClosedNode("bench_period"), [0]
 
     def take(_: bytes) -> None:
         taken[0] += 1
