@@ -3,7 +3,9 @@
 import math
 import shutil
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from sojourn_bags.errors import ReplayError
@@ -16,8 +18,9 @@ from sojourn_bringup.checkpoints import _digests, last_before, resume
 from sojourn_config.command_errors import UsageError
 from sojourn_config.paths import config_folder
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_machine.evolution import replace
 from sojourn_operator.scenario_steps import prepare_scenario
-from sojourn_stack.checkpoint import Origin, save
+from sojourn_stack.checkpoint import Origin, read, save
 from sojourn_stack.run import RunSpec, begun
 
 SHORT = ("--direct", "--set", "duration_limit_s=6.0", "--set", "steps=[{drive_to: {x: 0.2, y: 0.0}}, {wait_s: 1.0}]")
@@ -231,3 +234,27 @@ def test_files_that_have_changed_since_are_named(tmp_path: Path) -> None:
     own.write_text(own.read_text("utf-8") + "\n# another word\n", "utf-8")
     with pytest.raises(UsageError, match=r"own\.yaml changed since: .*--set KEY=VALUE"):
         resume(file)
+
+
+@pytest.mark.parametrize(
+    ("role", "way", "value", "words"),
+    [
+        ("plant", ("machine", "velocity"), np.zeros(3), r"float64 \(3,\) and the run begins with float64 \(\d+,\)"),
+        ("plant", ("machine", "velocity"), np.zeros(31, np.float32), "float32 .* and the run begins with float64"),
+        ("plant", ("machine", "velocity"), 5.0, "a float, and the run begins with a ndarray"),
+        ("drive", ("drive", "odometry", "x"), "far", "a str, and the run begins with a float"),
+        ("drive", (), None, "a NoneType, and the run begins with a "),
+    ],
+)
+def test_a_state_that_is_none_of_its_run_is_refused_in_words(
+    unbroken: Path, tmp_path: Path, role: str, way: tuple[str, ...], value: object, words: str
+) -> None:
+    """These were tracebacks once the run went on, and an array was read beyond its end."""
+
+    def put(whole: Any, rest: tuple[str, ...]) -> Any:
+        return replace(whole, **{rest[0]: put(getattr(whole, rest[0]), rest[1:])}) if rest else value
+
+    state, origin = read(kept(unbroken))
+    save(replace(state, roles={**state.roles, role: put(state.roles[role], ("app", *way))}), tmp_path / "one", origin)
+    with pytest.raises(UsageError, match=rf"it is no state of its run \({'.'.join((role, *way))}: {words}"):
+        resume(tmp_path / "one")

@@ -11,6 +11,7 @@ from sojourn_arm.goals import GoalReader
 from sojourn_arm.rover import Rover
 from sojourn_config.flight import FlightScenario
 from sojourn_config.scenario import load_flight
+from sojourn_contract.state_tree import packed, unpacked
 from sojourn_contract.values import Imu, Path
 from sojourn_flight.arm.floating_base import FloatingBase
 from sojourn_flight.arm.goal_events import GoalEvent
@@ -50,6 +51,8 @@ def ended(event: str) -> ArmOutput:
 def carried_out(lighter: float) -> tuple[list[GoalEvent], float, int]:
     """An arm that takes every posture at once, on a base that has a part of the mass that is believed.
 
+    Each correction is given after the state has been kept and read, as in a run that goes on from a checkpoint.
+
     Returns:
         what is told of the goal, how far the hand is off its place in truth [m], and after how many corrections.
     """
@@ -67,7 +70,7 @@ def carried_out(lighter: float) -> tuple[list[GoalEvent], float, int]:
         posture = solve_pose(params, model(), *pose_target(asked), joints).solutions[0]
         base, joints = base * truth.foretold(joints, posture), posture
         goal, output = arm.followed(goal, asked, arm.attitude(joints, imu(base.rotation)), ended("reached"))
-        request = goal.correction
+        goal, request = unpacked(packed((goal, goal.correction), "arm"), "arm")
     hand = base.act(forward_kinematics(model(), joints).position)
     return list(output.events), float(np.linalg.norm(hand - PLACE.position)), goal.corrections
 

@@ -9,9 +9,9 @@ import pytest
 from node_bench import ARM, STEERS, WHEELS, Bench, at, command, imu, joints, stamp_of, tick
 
 from ros_messages import ros_time, serialized
-from sojourn_contract.checkpoint_topic import CHECKPOINT
-from sojourn_contract.codecs import encode
+from sojourn_contract.checkpoint_topic import KEPT
 from sojourn_contract.events import format_tick
+from sojourn_contract.handing_over import reader
 from sojourn_contract.heartbeat import (
     MATCHED,
     READY,
@@ -371,31 +371,59 @@ class Counting:
     """In place of a keeper: counts what it is asked."""
 
     def __init__(self) -> None:
-        self.asked, self.answered = 0, ""
+        self.asked, self.answered = 0, 0
 
     def may_act(self, stamp: int) -> bool:
         return True
 
-    def acted(self, stamp: int) -> None: ...
+    def acted(self, stamp: int) -> None:
+        self.answered = stamp if self.asked else 0
 
     def ask(self) -> None:
         self.asked += 1
 
 
 def test_whoever_asks_for_checkpoints_without_end_gets_one_in_ten_seconds(bench: Bench) -> None:
-    plant, keeper, request = begin(bench, "plant", "drive"), Counting(), encode(CHECKPOINT, Header(0))
+    plant, keeper = begin(bench, "plant", "drive"), Counting()
+    answers: list[Header] = []
     plant.keep_with(keeper)
+    reader(bench.peer, KEPT, answers.append)
+    bench.until(lambda: plant._answers.get_subscription_count(), "somebody hears the answers")
     for _ in range(2000):
-        plant._hear_asking(request)
-    assert keeper.asked == 1 and not plant.counters.refused, "all are answered by the one that is to come"
-    keeper.answered = "0.02 s"
-    for _ in range(2000):
-        plant._hear_asking(request)
-    assert keeper.asked == 1 and plant.counters.refused == {"/checkpoint": 2000}
-    assert "0.00 s after the last one: allowed is one in 10 s of simulation" in plant.counters.last_refusal
+        plant._hear_asking(Header(7))
+    assert keeper.asked == 1, "all are answered by the one that is to come"
+    keeper.answered = at(1)
+    plant._hear_asking(Header(7))
+    assert keeper.asked == 1
+    bench.until(lambda: answers, "an answer")
+    assert answers[0].stamp == 7
+    assert "0.00 s after the last one: allowed is one in 10 s of simulation" in answers[0].frame
     plant.now += 10 * NANOSECONDS
-    plant._hear_asking(request)
+    plant._hear_asking(Header(7))
     assert keeper.asked == 2
+
+
+def test_what_becomes_of_a_checkpoint_that_is_asked_for_is_in_no_heartbeat(bench: Bench) -> None:
+    """It was: the run that went on from there lacked it, and was another one than the unbroken one."""
+    plant, keeper = begin(bench, "plant", "drive"), Counting()
+    plant.keep_with(keeper)
+    plant._hear_asking(Header(0))
+    before = plant.heartbeat_values()
+    keeper.answered = at(1)
+    for _ in range(2000):
+        plant._hear_asking(Header(0))
+    assert keeper.answered and plant.heartbeat_values() == before and not plant.counters.refused
+
+
+def test_who_asks_for_a_checkpoint_and_is_met_late_is_answered_all_the_same(bench: Bench) -> None:
+    plant, keeper = begin(bench, "plant", "drive"), Counting()
+    plant.keep_with(keeper)
+    plant._hear_asking(Header(0))
+    drive(bench, 1, 1, lambda period: command(DRIVEN, period))
+    answers: list[Header] = []
+    reader(bench.peer, KEPT, answers.append)
+    bench.until(lambda: answers, "the last answer")
+    assert (answers[0].stamp, answers[0].frame) == (keeper.answered, "")
 
 
 def test_a_node_that_has_heard_a_strangers_clock_before_the_run_is_ready_all_the_same() -> None:

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import zipfile
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from sojourn_stack.stack import Stack, StackState
 
 ROLES = ("plant", "sensors", "drive", "power", "operator")
 SCENARIO, OVERRIDES = "flat_drive", ("faults=[{joint: wheel_front_left_joint, kind: servo_locked, at: 0.5}]",)
+PROGRAMS = tuple(f"sojourn_{role}" for role in ("plant", "sensors", "drive", "arm", "power"))
 GO_ON = """
 import sys
 from pathlib import Path
@@ -125,6 +127,33 @@ def test_only_classes_of_values_of_ours_are_made(
         load(changed(kept[3][0], tmp_path / "foreign", other))
 
 
+@pytest.mark.parametrize("package", PROGRAMS)
+def test_a_class_of_a_program_is_refused_and_the_program_not_run(
+    kept: dict[int, tuple[Path, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: str
+) -> None:
+    """It was: whoever read such a file had a node started in his process."""
+
+    def other(tree: Any) -> Any:
+        tree["roles"]["power"]["fields"]["app"]["class"] = f"{package}.__main__:Any"
+        return tree
+
+    not_run(package, monkeypatch)
+    with pytest.raises(CheckpointError, match=rf"a class of {package}\.__main__: allowed is one of ours"):
+        load(changed(kept[3][0], tmp_path / "program", other))
+
+
+@pytest.mark.parametrize("package", PROGRAMS)
+def test_a_program_that_is_imported_does_not_run(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    not_run(package, monkeypatch)
+    import_module(f"{package}.__main__")
+
+
+def not_run(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fail where the program of a package is run."""
+    monkeypatch.setattr(f"{package}.node.main", lambda: pytest.fail(f"{package} was run"))
+    monkeypatch.delitem(sys.modules, f"{package}.__main__", raising=False)
+
+
 def test_files_that_are_none_are_refused(kept: dict[int, tuple[Path, str]], tmp_path: Path) -> None:
     cut_off = tmp_path / "cut_off"
     cut_off.write_bytes(kept[3][0].read_bytes()[:1000])
@@ -145,15 +174,37 @@ def test_files_that_are_none_are_refused(kept: dict[int, tuple[Path, str]], tmp_
         ("period", -5, "period: -5: allowed is 1 to"),
         ("period", 10**30, "period: 10+: allowed is 1 to"),
         ("period", True, "period: True: allowed is 1 to"),
-        ("messages", None, "messages: allowed is the last messages of each topic"),
+        ("messages", None, "messages: None: allowed is a valid dictionary"),
+        ("ahead", {"tuple": [5]}, r"ahead\.0: 5: allowed is a valid tuple"),
+        ("leaps", 5, "leaps: 5: allowed is an instance of Leaps"),
+        ("origin", 5, "origin: 5: allowed is an instance of Origin"),
+        ("roles.drive", 5, "drive: 5: allowed is an instance of RoleState"),
+        ("roles.drive.fields.published", 5, r"drive\.published: 5: allowed is a valid dictionary"),
+        (
+            "roles.drive.fields.refused",
+            {"map": [["/odom", "x"]]},
+            r"drive\.refused\./odom: x: allowed is a valid integer",
+        ),
+        ("roles.drive.fields.now", "x", r"drive\.now: x: allowed is a valid integer"),
+        ("roles.drive.fields.took", {"list": []}, r"drive\.took: \[\]: allowed is a valid tuple"),
+        ("roles.drive.fields.goals.fields.waiting", 5, r"drive\.goals\.waiting: 5: allowed is a valid tuple"),
     ],
 )
 def test_a_tree_that_was_altered_is_refused_in_words(
     kept: dict[int, tuple[Path, str]], tmp_path: Path, part: str, value: object, reason: str
 ) -> None:
-    """These were tracebacks: AttributeError, KeyError, struct.error."""
+    """These were tracebacks: AttributeError, KeyError, struct.error; of a field of a role, once the run went on."""
+
+    def other(tree: Any) -> Any:
+        *way, last = part.split(".")
+        inside = tree
+        for key in way:
+            inside = inside[key]
+        inside[last] = value
+        return tree
+
     with pytest.raises(CheckpointError, match=reason):
-        load(changed(kept[3][0], tmp_path / "altered", lambda tree: tree | {part: value}))
+        load(changed(kept[3][0], tmp_path / "altered", other))
 
 
 def with_part(original: Path, where: Path, name: str, data: bytes) -> Path:

@@ -1,4 +1,4 @@
-"""Two states of one structure, and where they differ."""
+"""Two states of one structure, and where they differ; and what a run that begins with the one cannot come to."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sojourn_machine.params import Params
-from sojourn_stack.structure import difference
+from sojourn_stack.structure import difference, misfit
 
 
 class Pair(NamedTuple):
@@ -35,7 +35,7 @@ values = st.recursive(
 
 @given(values)
 def test_a_value_is_of_its_own_structure(value: object) -> None:
-    assert difference(value, value, "drive") == ""
+    assert difference(value, value, "drive") == misfit(value, value, "drive") == ""
 
 
 @pytest.mark.parametrize(
@@ -52,3 +52,28 @@ def test_a_value_is_of_its_own_structure(value: object) -> None:
 )
 def test_where_two_differ_is_said(one: object, other: object, words: str) -> None:
     assert difference(one, other, "drive") == words
+
+
+@pytest.mark.parametrize(
+    ("first", "later", "words"),
+    [
+        (Pair(1, None), Pair(2.5, np.zeros(3)), ""),
+        (Pair(1, np.zeros(3)), Pair(True, None), ""),
+        (Pair(1, 2), Pair(1, "x"), "drive.right: a str, and the run begins with a int"),
+        (Pair(1, 2), Pair(1, np.zeros(3)), "drive.right: a ndarray, and the run begins with a int"),
+        (Pair(1, ()), Pair(1, []), "drive.right: a list, and the run begins with a tuple"),
+        (np.zeros(3), np.zeros(4), "drive: float64 (4,) and the run begins with float64 (3,)"),
+        (np.zeros(3), np.zeros((3, 1)), "drive: float64 (3, 1) and the run begins with float64 (3,)"),
+        (np.zeros(3), np.zeros(3, dtype=np.float32), "drive: float32 (3,) and the run begins with float64 (3,)"),
+        ((Pair(1, np.zeros(3)),), (Pair(1, np.zeros(4)),), "drive[0].right: float64 (4,) and the run begins with "),
+        ((np.zeros((3, 2)),), (np.zeros((5, 2)),), ""),
+        ((np.zeros((3, 2)),), (np.zeros(3),), "drive[0]: float64 (3,) and the run begins with float64 (3, 2)"),
+        ((), (1, 2), ""),
+        ([np.zeros(3)], ["x"], ""),
+        ({"a": np.zeros(3)}, {"a": "x"}, ""),
+        (Pair(1, Held(gain=1.0)), Pair(1, Pair(1, 2)), ""),
+    ],
+)
+def test_what_a_run_cannot_come_to_is_said(first: object, later: object, words: str) -> None:
+    found = misfit(first, later, "drive")
+    assert found.startswith(words) and bool(found) == bool(words)

@@ -1,4 +1,4 @@
-"""A checkpoint asked of a running stack, by whoever operates it."""
+"""A checkpoint asked of a running stack, by whoever operates it, and the run that goes on from it."""
 
 import signal
 from collections.abc import Callable
@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from programs import PATIENT, Program
 
+from sojourn_bags.reading import read_bag
 from sojourn_stack.checkpoint import read
 
 REST = ("flat_drive", *PATIENT, "--composed", "--without", "arm", "--set", "steps=[{wait_s: 3000.0}]")
@@ -32,3 +33,33 @@ def test_it_is_kept_by_a_run_that_keeps_them_and_by_no_other(
         state, origin = read(file)
         assert f"the state of {state.now / 1e9:.2f} s is kept" in asked.text
         assert origin is not None and "arm" not in origin.participants
+
+
+@pytest.mark.parametrize("layout", ["--composed", "--processes"])
+def test_what_goes_on_from_it_is_the_run(
+    start: Callable[..., Program], domain: int, tmp_path: Path, layout: str
+) -> None:
+    """What became of a request was in the heartbeats of the unbroken run alone, and so were those that are refused."""
+    rest = [layout if word == "--composed" else word for word in REST]
+    run = start("start", *rest, "--checkpoint-every", "100000", "--domain", domain, "--run-dir", tmp_path / "run")
+    run.wait_until(lambda text: "): running" in text, "the run begins")
+    answers: list[str] = []
+    while sum("is kept" in text for text in answers) < 2:
+        asked = start("checkpoint_client", "--domain", domain, "--timeout", "600")
+        asked.wait()
+        answers.append(asked.text)
+    run.send(signal.SIGINT)
+    run.wait()
+    first, second = sorted((tmp_path / "run" / "checkpoints").glob("*"))
+    begin, end = (read(file)[0].now for file in (first, second))
+    limit = ("--set", f"duration_limit_s={end / 1e9 + 1.0}")
+    start("start", "--resume", first, *limit, "--run-dir", tmp_path / "rest").wait()
+    unbroken, rest_of_it = (
+        {
+            name: [(at, data) for at, data in zip(one.log_times, one.data, strict=True) if begin < at < end]
+            for name, one in read_bag(tmp_path / folder).topics.items()
+        }
+        for folder in ("run", "rest")
+    )
+    assert {name: said for name, said in unbroken.items() if said} == rest_of_it
+    assert len(rest_of_it["/diagnostics"]) > 20

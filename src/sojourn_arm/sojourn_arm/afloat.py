@@ -79,7 +79,7 @@ class Afloat:
         Raises:
             GoalRefusedError: a place from which the base would carry the hand away again.
         """
-        if before is not None and request is before.correction:
+        if before is not None and request == before.correction:  # by value: one that is kept is read as two objects
             return before, request
         if not isinstance(request, PoseGoal):
             return SpaceGoal(now), request
@@ -90,7 +90,7 @@ class Afloat:
     ) -> tuple[SpaceGoal, ArmOutput]:
         """The goal after a period in which the arm was asked for `request`, and what is told of it."""
         events = output.events
-        if request is not None and request is goal.correction:
+        if request is not None and request == goal.correction:
             goal, events = replace(goal, correction=None), tuple([self._of_correction(event) for event in events])
             events = tuple([event for event in events if event.outcome != "accepted"])
         if goal.place is not None and was("reached", events):

@@ -6,9 +6,10 @@ consists of.
 """
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from sojourn_bags.errors import UnreadableBagError
 from sojourn_bags.reading import bag_file
@@ -26,7 +27,7 @@ from sojourn_operator.scenario_steps import PreparedScenario, prepare_scenario
 from sojourn_stack.apps import make_apps
 from sojourn_stack.checkpoint import Origin, read, save
 from sojourn_stack.stack import Stack, StackState
-from sojourn_stack.structure import difference
+from sojourn_stack.structure import difference, misfit
 
 FOLDER, SUFFIX = "checkpoints", ".checkpoint"
 HALF_PERIOD_S = seconds(CONTROL_PERIOD_NS) / 2
@@ -147,6 +148,12 @@ def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
     if changed:
         allowed = "a run goes on with the files that it began with, and --set KEY=VALUE puts other values over them"
         raise UsageError(f"{file}: {', '.join(changed)} changed since: {allowed}")
+    begun = _begun(as_it_was.loaded, origin.participants)
+    altered = _first(
+        _altered(one.app, state.roles[role].app, role) for role, one in begun.items() if role in state.roles
+    )
+    if altered:
+        raise UsageError(f"{file}: it is no state of its run ({altered})")
     if not overrides:
         return Resumption(as_it_was, origin.participants, state)
     branched = prepare_scenario(origin.scenario, (*origin.overrides, *overrides))
@@ -157,7 +164,7 @@ def resume(file: Path, overrides: Sequence[str] = ()) -> Resumption:
     if idle and OperatorApp.role not in origin.participants:
         reason = "carried out by the role operator, which takes no part in the run of this checkpoint"
         raise UsageError(f"{file}: {' and '.join(idle)}: {reason}: allowed is none of them")
-    unlike = _unlike(as_it_was.loaded, branched.loaded, origin.participants)
+    unlike = _unlike(begun, _begun(branched.loaded, origin.participants))
     if unlike:
         raise UsageError(f"{file}: with these values the run would have another state ({unlike})")
     return Resumption(branched, origin.participants, state)
@@ -216,13 +223,25 @@ def _do_the_same(one: StepConfig | None, other: StepConfig | None) -> bool:
     return one is not None and other is not None and (one.kind, one.action) == (other.kind, other.action)
 
 
-def _unlike(one: LoadedScenario, other: LoadedScenario, participants: Sequence[str]) -> str:
+def _altered(first: Any, later: Any, role: str) -> str:
+    """Why the state of a role is none to which its run can have come; that of a node of others only it knows."""
+    if isinstance(later, ForeignState):
+        return ""
+    if type(first) is not type(later):
+        return f"{role}: a {type(later).__name__}, and the run begins with a {type(first).__name__}"
+    return misfit(first, later, role)
+
+
+def _unlike(states: Mapping[str, RoleState], others: Mapping[str, RoleState]) -> str:
     """The first difference in structure of what two runs begin with."""
-    states, others = _begun(one, participants), _begun(other, participants)
     if set(states) != set(others):
         return f"roles: {', '.join(set(states) ^ set(others))}"
-    found = (difference(states[role].app, others[role].app, role) for role in states)
-    return next((words for words in found if words), "")
+    return _first(difference(states[role].app, others[role].app, role) for role in states)
+
+
+def _first(found: Iterable[str]) -> str:
+    """The first words of several; "" where there are none."""
+    return next(filter(None, found), "")
 
 
 def _begun(loaded: LoadedScenario, participants: Sequence[str]) -> Mapping[str, RoleState]:

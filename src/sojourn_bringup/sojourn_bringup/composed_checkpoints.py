@@ -64,8 +64,8 @@ class ComposedKeeper:
         self._roles: dict[str, RoleState] | None = None
         """Of all but the plant, which is about to act on the period of a checkpoint."""
         self._is_asked = False
-        self.answered = ""
-        """Of when the last checkpoint is that was asked for, in words."""
+        self.answered = 0
+        """See `Keeper` of the plant."""
 
     def ask(self) -> None:
         """Keep the state at the next period that can be."""
@@ -100,7 +100,7 @@ class ComposedKeeper:
                 StackState(following, roles, dict(words.messages), ahead=words.named_ahead(), leaps=leaps)
             )
             if self._is_asked:
-                self._is_asked, self.answered = False, f"{seconds(stamp):.2f} s"
+                self._is_asked, self.answered = False, stamp
 
     def _is_wanted(self, stamp: int) -> bool:
         """At a period in which every role acts."""

@@ -22,8 +22,19 @@ CHECKPOINT = Topic(
     ("plant",),
     0,
     10.0,
-    "keep the state of the run in the next period at which all roles act; the plant says in its heartbeat, under "
-    "checkpoint, of when the last one is that was asked for",
+    "keep the state of the run in the next period at which all roles act; the answer comes on /checkpoint/kept",
+    logged=False,
+    needs_listener=False,
+)
+KEPT = Topic(
+    "/checkpoint/kept",
+    "std_msgs/Header",
+    "plant",
+    ("operator",),
+    0,
+    10.0,
+    "what has become of a request: the state of the period stamped so is kept; with a frame_id, the request stamped so "
+    "is refused, and why",
     logged=False,
     needs_listener=False,
 )
@@ -63,8 +74,6 @@ FILED = Topic(
     logged=False,
     needs_listener=False,
 )
-KEPT = "checkpoint"
-"""Key of the plant's heartbeat."""
 RESUMED = "resumed"
 """Key of a heartbeat before a run that goes on: stamp of the state from which its node does [ns]."""
 ONLY_OPERATOR = "operator"

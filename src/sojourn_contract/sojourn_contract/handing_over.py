@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from sojourn_contract import qos
 from sojourn_contract.checkpoint_topic import (
+    KEPT,
     MOST_PARTS,
     ONLY_OPERATOR,
     STATE,
@@ -35,9 +36,16 @@ if TYPE_CHECKING:  # a node hands over
 
 
 def quality(row: Topic) -> "QoSProfile":
-    """Of a row of checkpoints: its history holds the largest state there is."""
+    """Of a row of checkpoints. Its history holds the largest state there is; that of answers the last one, for whoever
+    has asked and is met only after it was given.
+    """
+    from rclpy.qos import DurabilityPolicy
+
     profile = qos.profile(row, True)
-    profile.depth = MOST_PARTS
+    if row is KEPT:
+        profile.depth, profile.durability = 1, DurabilityPolicy.TRANSIENT_LOCAL
+    else:
+        profile.depth = MOST_PARTS
     return profile
 
 

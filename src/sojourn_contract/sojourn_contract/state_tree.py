@@ -241,7 +241,9 @@ def _packages() -> frozenset[str]:
 
 
 def _is_known(module: str) -> bool:
-    return module.startswith(OURS) or module.partition(".")[0] in _packages()
+    """Whether it may hold classes of values. A `__main__` is a program: nothing is read by running one."""
+    package, *parts = module.split(".")
+    return (package.startswith(OURS) or package in _packages()) and not any(part.startswith("__") for part in parts)
 
 
 def _name(value: Any, place: str) -> str:

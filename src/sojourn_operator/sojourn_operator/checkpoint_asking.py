@@ -1,14 +1,14 @@
-"""A checkpoint of a running stack: asked of its plant, and what the plant says of it in its heartbeat."""
+"""A checkpoint of a running stack: asked of its plant, and what the plant answers."""
 
 import time
+from typing import Any
 
 from sojourn_contract.checkpoint_topic import CHECKPOINT, KEPT
 from sojourn_contract.codecs import encode
-from sojourn_contract.heartbeat import Heartbeat
+from sojourn_contract.handing_over import quality
+from sojourn_contract.stamps import seconds
 from sojourn_contract.values import Header
 from sojourn_operator.goal_sending import GoalClient
-
-PLANT = "plant"
 
 
 def ask(domain: int, namespace: str, timeout_s: float) -> tuple[bool, str]:
@@ -16,26 +16,24 @@ def ask(domain: int, namespace: str, timeout_s: float) -> tuple[bool, str]:
 
     Raises NoStackError if no run that keeps checkpoints is there.
     """
+    answers: list[Any] = []
     with GoalClient(domain, namespace, "checkpoint") as client:
-        sender = client.sender_to("checkpoints", CHECKPOINT)
-        client.hear_from(PLANT)
-        before = client.beats.get(PLANT)
-        sender.publish(encode(CHECKPOINT, Header(client.now)))
+        client.listen(KEPT, answers.append, quality=quality(KEPT))
+        sender, asked = client.sender_to("checkpoints", CHECKPOINT), client.now
+        sender.publish(encode(CHECKPOINT, Header(asked)))
         end = time.monotonic() + timeout_s
         while time.monotonic() < end and not client.stop.is_set:
             client.spin(0.05)
-            answer = _answer(before, client.beats.get(PLANT))
-            if answer is not None:
-                return answer
-    return False, f"not known: the {PLANT} has not said so within {timeout_s:g} s of wall time"
+            for told in (_told(answer, asked) for answer in answers):
+                if told is not None:
+                    return told
+    return False, f"not known: the plant has not said so within {timeout_s:g} s of wall time"
 
 
-def _answer(before: Heartbeat | None, now: Heartbeat | None) -> tuple[bool, str] | None:
-    """What the plant's heartbeats before it was asked and now say; None: nothing yet."""
-    if now is None:
+def _told(answer: Header, asked: int) -> tuple[bool, str] | None:
+    """What an answer says of a request stamped so [ns]; None for one to somebody else, which may be of before it."""
+    if answer.frame:
+        return (False, f"refused: {answer.frame}") if answer.stamp == asked else None
+    if answer.stamp < asked:
         return None
-    refused, kept = (0, "") if before is None else (before.refused.get(CHECKPOINT.name, 0), before.values.get(KEPT, ""))
-    if now.refused.get(CHECKPOINT.name, 0) > refused:
-        return False, f"refused: {now.values.get('last refusal', '')}"
-    found = now.values.get(KEPT, "")
-    return None if found in ("", kept) else (True, f"the state of {found} is kept in checkpoints/ of the run's folder")
+    return True, f"the state of {seconds(answer.stamp):.2f} s is kept in checkpoints/ of the run's folder"

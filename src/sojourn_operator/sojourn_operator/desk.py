@@ -8,10 +8,12 @@ from typing import Any, Self
 import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from sojourn_config.ros_environment import ros_variables
 from sojourn_contract import qos
+from sojourn_contract.closed_node import ClosedNode
 from sojourn_contract.decoding import hearing
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.stop_flag import StopFlag
@@ -35,9 +37,7 @@ class Desk:
         os.environ.update(ros_variables(self.domain))
         self.stop.install()
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node(
-            self.name, namespace=self.namespace or None, enable_rosout=False, start_parameter_services=False
-        )
+        self._node = ClosedNode(self.name, namespace=self.namespace)
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
         return self
@@ -47,10 +47,20 @@ class Desk:
         self._node.destroy_node()
         rclpy.try_shutdown()
 
-    def listen(self, row: Topic, take: Callable[[Message], None], lockstep: bool = True, role: str = "") -> Any:
-        """Give every message of a row that can be read to `take`. role: recorder, for whom none may be lost."""
+    def listen(
+        self,
+        row: Topic,
+        take: Callable[[Message], None],
+        lockstep: bool = True,
+        role: str = "",
+        quality: QoSProfile | None = None,
+    ) -> Any:
+        """Give every message of a row that can be read to `take`.
+
+        role: recorder, for whom none may be lost. quality: of a row that has one of its own.
+        """
         hear = hearing(row, take, self._pass_over)
-        profile = qos.profile(row, lockstep, role)
+        profile = quality or qos.profile(row, lockstep, role)
         return self._node.create_subscription(message_class(row.type), row.name.lstrip("/"), hear, profile, raw=True)
 
     def sender(self, row: Topic) -> Any:

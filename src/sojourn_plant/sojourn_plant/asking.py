@@ -15,14 +15,14 @@ class AskingLimit:
 
     def __init__(self) -> None:
         self._taken: int | None = None
-        self._answered = ""
+        self._answered = 0
 
-    def is_new(self, now: int, answered: str) -> bool:
+    def is_new(self, now: int, answered: int) -> bool:
         """Whether a request at simulation time `now` [ns] asks for one more; False where it is answered by the one that
         is still to be kept.
 
         Args:
-            answered: of when the last one is that was asked for, in words.
+            answered: stamp of the last one that was asked for [ns], 0 where none was.
 
         Raises:
             RefusedMessageError: too soon after the last one.

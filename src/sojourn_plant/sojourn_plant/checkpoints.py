@@ -55,7 +55,7 @@ class AskingKeeper:
         self._handed_since = 0.0
         self._is_late = False
         """Who writes files was so for longer than it waits for him, and has not been heard since."""
-        self.answered = ""
+        self.answered = 0
         """See `Keeper`."""
 
     def ask(self) -> None:
@@ -88,7 +88,7 @@ class AskingKeeper:
         self._to_be_filed, self._handed_since = stamp, time.monotonic()
         self._times.passed(seconds(stamp))
         if self._is_asked and not self._silent:
-            self.answered = f"{seconds(stamp):.2f} s"
+            self.answered = stamp
         self._is_asked = False
 
     def _is_filed(self) -> bool:

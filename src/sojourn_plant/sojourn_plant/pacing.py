@@ -10,16 +10,18 @@ from typing import Any, Protocol
 
 from rclpy.context import Context
 
-from sojourn_contract import qos, stamps
+from sojourn_contract import stamps
 from sojourn_contract.app_node import AppNode
 from sojourn_contract.barrier import is_due, stamp_due
 from sojourn_contract.checkpoint_topic import CHECKPOINT, KEPT
+from sojourn_contract.codecs import encode
 from sojourn_contract.errors import DomainInUseError, RefusedMessageError, SilentNodeError
+from sojourn_contract.handing_over import reader, sender
 from sojourn_contract.heartbeat import read_heartbeats
+from sojourn_contract.node import REFUSAL_LOG_S
 from sojourn_contract.role_state import RoleAtCheckpoint
 from sojourn_contract.silence import Silence
 from sojourn_contract.topic_types import Topic
-from sojourn_contract.types import message_class
 from sojourn_contract.values import Header, Message
 from sojourn_plant.asking import AskingLimit
 from sojourn_plant.checkpoints import AskingKeeper
@@ -49,8 +51,8 @@ class Keeper(Protocol):
         """Somebody wants it kept at the next period that can be."""
 
     @property
-    def answered(self) -> str:
-        """Of when the last state is that was asked for, in words; "" where none was."""
+    def answered(self) -> int:
+        """Stamp of the last state that was asked for [ns], 0 where none was."""
 
 
 class PacingNode(AppNode):
@@ -97,13 +99,7 @@ class PacingNode(AppNode):
     def keep_with(self, keeper: Keeper) -> None:
         """Have the state of the run kept, and listen to who asks for it."""
         self.keeper = keeper
-        kind, profile = message_class(CHECKPOINT.type), qos.profile(CHECKPOINT, self.lockstep, self.role)
-        self._asking = self.create_subscription(kind, CHECKPOINT.name.lstrip("/"), self._hear_asking, profile, raw=True)
-
-    def heartbeat_values(self) -> dict[str, str]:
-        """What the app tells, and of when the last checkpoint is that was asked for."""
-        answered = "" if self.keeper is None else self.keeper.answered
-        return super().heartbeat_values() | ({KEPT: answered} if answered else {})
+        self._asking, self._answers = reader(self, CHECKPOINT, self._hear_asking), sender(self, KEPT)
 
     def on_heartbeat(self, message: Any) -> None:
         """Keep who is ready, and who says that it waits for whom."""
@@ -133,16 +129,21 @@ class PacingNode(AppNode):
         self._silence_of_others.ends()
         super().act(stamp, inputs)
         if self.keeper is not None:
+            before = self.keeper.answered
             self.keeper.acted(stamp)
+            if self.keeper.answered != before:
+                self._answers.publish(encode(KEPT, Header(self.keeper.answered)))
 
-    def _hear_asking(self, data: bytes) -> None:
-        """What is asked of the keeper is none of the app's goals: a run is the same whether or not it is kept."""
+    def _hear_asking(self, request: Header) -> None:
+        """What is asked of the keeper is none of the app's goals, and what comes of it is in no heartbeat: a run is the
+        same whether or not it is kept.
+        """
         try:
-            self._content(CHECKPOINT, data)
             if self.keeper is not None and self._asking_limit.is_new(self.now, self.keeper.answered):
                 self.keeper.ask()
         except RefusedMessageError as refusal:
-            self.refuse(CHECKPOINT.name, str(refusal))
+            self._answers.publish(encode(KEPT, Header(request.stamp, str(refusal))))
+            self.get_logger().warning(f"refused: {refusal}", throttle_duration_sec=REFUSAL_LOG_S)
 
     def _goals_are_in(self) -> bool:
         return super()._goals_are_in() and (self.keeper is None or self.keeper.may_act(self.barrier.stamp))

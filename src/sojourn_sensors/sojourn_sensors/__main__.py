@@ -2,4 +2,5 @@
 
 from sojourn_sensors.node import main
 
-main()
+if __name__ == "__main__":
+    main()

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
 from sojourn_contract.leaps import Leaps
 from sojourn_contract.role_state import RoleState
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
@@ -17,6 +19,8 @@ from sojourn_stack.stack import StackState
 
 FORMAT = 5
 """Of the file; another one is refused."""
+PARTS = ("roles", "messages", "ahead", "leaps", "origin")
+"""Of a file, besides what is plain."""
 LAST_PERIOD = ((1 << 31) - 1) * NANOSECONDS // CONTROL_PERIOD_NS
 """A later one has no stamp: that of a message has 31 bits for its seconds."""
 
@@ -34,6 +38,19 @@ class Origin:
     overrides: tuple[str, ...]
     participants: tuple[str, ...]
     digests: Mapping[str, str]
+
+
+_TYPES = TypeAdapter(
+    tuple[
+        Mapping[str, RoleState],
+        Mapping[str, Mapping[int, tuple[Any, str]]],
+        tuple[tuple[str, Any], ...],
+        Leaps,
+        Origin | None,
+    ],
+    config=ConfigDict(strict=True, revalidate_instances="always"),
+)
+"""Of PARTS."""
 
 
 def save(state: StackState, file: Path, origin: Origin | None = None) -> None:
@@ -84,17 +101,18 @@ def _read(tree: Any, reader: TreeReader, file: Path) -> tuple[StackState, Origin
             "roles", f"a {type(tree['roles']).__name__}: allowed is a state of each role, by its name"
         )
     roles = {role: reader.value(one, role) for role, one in tree["roles"].items()}
-    for role, one in roles.items():
-        if not isinstance(one, RoleState):
-            raise CheckpointError(role, f"a {type(one).__name__}: allowed is the state of a role")
-    messages = reader.value(tree["messages"], "messages")
-    ahead, leaps = (reader.value(tree[part], part) for part in ("ahead", "leaps"))
-    if not isinstance(leaps, Leaps):
-        raise CheckpointError("leaps", f"a {type(leaps).__name__}: allowed is the leaps of the clock")
-    if not isinstance(messages, dict) or not isinstance(ahead, tuple):
-        raise CheckpointError("messages", "allowed is the last messages of each topic, and those that are to come")
-    state = StackState(period, roles, messages, bool(tree["finished"]), ahead, leaps)
-    origin = reader.value(tree["origin"], "origin")
-    if origin is not None and not isinstance(origin, Origin):
-        raise CheckpointError("origin", f"a {type(origin).__name__}: allowed is of which run it is")
-    return state, origin
+    messages, ahead, leaps, origin = (reader.value(tree[part], part) for part in PARTS[1:])
+    _check((roles, messages, ahead, leaps, origin))
+    return StackState(period, roles, messages, bool(tree["finished"]), ahead, leaps), origin
+
+
+def _check(parts: tuple[Any, ...]) -> None:
+    """Raise CheckpointError where PARTS are not of the types that their classes say; apps know their own."""
+    try:
+        _TYPES.validate_python(parts)
+    except ValidationError as error:
+        first = error.errors()[0]
+        part, *inside = first["loc"]
+        place = [*([] if part == 0 and inside else [PARTS[int(part)]]), *map(str, inside)]
+        allowed = first["msg"].removeprefix("Input should be ")
+        raise CheckpointError(".".join(place), f"{str(first['input'])[:40]}: allowed is {allowed}") from error
