@@ -4,14 +4,17 @@ import json
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from sojourn_arm.app import ArmApp, ArmAppState
+from sojourn_arm.goals import LastGoal
 from sojourn_arm.restart import RESTARTED
 from sojourn_config.scenario import load_flight
 from sojourn_contract.app import Period
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.kept_data import Kept
+from sojourn_contract.values import JointState, PoseStamped
 from sojourn_flight.arm.dead_joints import known_dead
 
 AT = 5_000_000_000
@@ -46,10 +49,28 @@ def test_it_knows_the_joints_that_do_not_move_and_its_goal_is_lost(app: ArmApp) 
     assert told["reason"] == f"goal lost: {RESTARTED}"
 
 
+def test_a_goal_that_was_over_stays_so(app: ArmApp) -> None:
+    before = app.initial_state()
+    kept = kept_of(app, replace(before, goal=LastGoal("reached", "", 77)))
+    told = app.started_again(app.initial_state(), 9, kept).goal.status(None)
+    assert told == {"state": "reached", "goal_stamp": "77", "reason": RESTARTED}
+
+
 def test_at_rest_it_says_that_it_was_restarted_and_no_goal_is_lost(app: ArmApp) -> None:
     for kept in (None, kept_of(app, app.initial_state())):
         after = app.started_again(app.initial_state(), AT, kept)
         assert (after.goal.state, after.goal.reason, after.tasks.arm.dead) == ("idle", RESTARTED, ())
+
+
+def test_its_heartbeat_has_the_alarm_until_it_takes_a_goal(app: ArmApp) -> None:
+    assert app.heartbeat_values(app.initial_state(), AT) == {}
+    for kept in (None, kept_of(app, on_its_way(app)), kept_of(app, app.initial_state())):
+        after = app.started_again(app.initial_state(), AT, kept)
+        refused, _ = app.step(after, Period(AT, {}, [("/arm/goal_pose", PoseStamped(AT, "nowhere", np.zeros(3)))]))
+        for state in (after, refused):
+            assert app.heartbeat_values(state, AT) == {"alarm": RESTARTED}
+        taken, _ = app.step(after, Period(AT, {}, [("/arm/joint_goal", JointState(AT, (), frame="unfold"))]))
+        assert app.heartbeat_values(taken, AT) == {}
 
 
 @pytest.mark.parametrize(
@@ -68,3 +89,4 @@ def test_kept_data_that_cannot_be_used_are_left_and_named(app: ArmApp, spoilt: d
     after = app.started_again(app.initial_state(), AT, Kept(AT, {**kept.values, **spoilt}))
     assert after.tasks.arm.dead == () and after.goal.state == "idle"
     assert "what was kept cannot be used" in after.goal.reason
+    assert app.heartbeat_values(after, AT) == {"alarm": after.goal.reason}

@@ -166,7 +166,7 @@ def test_a_refused_goal_hides_the_one_that_goes_on_for_two_seconds_only(
     assert min(rates(step(bench, *range(60, 101)))) > 0.1, "it drives on"
     told = bench.status("/drive/status", 100)
     assert (told["state"], told["goal_stamp"]) == ("refused", str(at(60)))
-    assert drive.app.to_keep(drive.state)["goal"] == {"stamp": at(4), "moves": True}
+    assert drive.app.to_keep(drive.state)["goal"] == {"state": "moving", "reason": "", "stamp": at(4)}
     step(bench, *range(101, 201))
     told = bench.status("/drive/status", 200)
     assert (told["state"], told["goal_stamp"], told["reason"]) == ("moving", str(at(4)), "")

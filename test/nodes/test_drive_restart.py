@@ -10,12 +10,16 @@ import pytest
 
 from sojourn_config.scenario import load_flight
 from sojourn_contract.app import Period
+from sojourn_contract.disturbed_app import disturbed, undisturbed
 from sojourn_contract.kept_data import Kept
+from sojourn_contract.stamps import CONTROL_PERIOD_NS
+from sojourn_contract.topics import STANDARD
 from sojourn_contract.values import PoseStamped
 from sojourn_drive.app import DriveApp
 from sojourn_drive.goals import GoalStatus
 from sojourn_drive.memory import DriveAppState
 from sojourn_drive.restart import LOST, unseen
+from sojourn_machine.disturbance import Disturbance
 
 AT = 5_000_000_000
 """Stamp at which it kept its state [ns]."""
@@ -67,6 +71,29 @@ def test_its_goal_is_lost_and_says_so_under_its_own_stamp(app: DriveApp) -> None
     at_rest = replace(been_somewhere(app), asked=app.initial_state().asked)
     last = app.started_again(app.initial_state(), AT, kept_of(app, at_rest)).asked.last
     assert last.state == "idle" and last.reason.startswith("the drive was restarted")
+
+
+def test_a_goal_that_was_over_stays_so(app: DriveApp) -> None:
+    """It was idle with no goal, before it had told how that had ended: a script waited for the word for ever."""
+    before = been_somewhere(app)
+    for ended in (GoalStatus("reached", "", 77, 1), GoalStatus("stopped", "by operator", 77, 1)):
+        kept = kept_of(app, replace(before, asked=replace(before.asked, last=ended)))
+        last = app.started_again(app.initial_state(), AT, kept).asked.last
+        assert (last.state, last.stamp) == (ended.state, 77)
+        assert last.reason == ended.reason or last.reason.startswith("the drive was restarted")
+
+
+def test_a_goal_that_came_in_the_last_period_is_lost_and_says_so(app: DriveApp) -> None:
+    """State was kept every 0.2 s alone: whoever had sent the goal never heard of it."""
+    at = 11 * CONTROL_PERIOD_NS
+    wrapped = disturbed(app, STANDARD, [Disturbance("restarted", "", "drive", at + CONTROL_PERIOD_NS)])
+    state = wrapped.initial_state()
+    for number in range(1, 15):
+        stamp = number * CONTROL_PERIOD_NS
+        goal = PoseStamped(at, "base_link", np.array([1.0, 0.0, 0.0]))
+        state, _ = wrapped.step(state, Period(stamp, {}, [("/goal_pose", goal)] if stamp == at else []))
+    last = undisturbed(state).asked.last
+    assert (last.state, last.stamp) == ("failed", at) and last.reason.startswith("goal lost: the drive was restarted")
 
 
 def test_a_first_process_has_no_alarm(app: DriveApp) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sojourn_arm.goals import LastGoal
+from sojourn_contract.kept_goal import GOAL, KeptGoal, kept_goal
 from sojourn_flight.arm.dead_joints import DeadJoint
 from sojourn_flight.arm.model import ArmModel
 from sojourn_machine.errors import InvalidValueError
@@ -16,7 +17,7 @@ def kept_values(dead: Sequence[DeadJoint], goal: LastGoal) -> dict[str, Any]:
     """What the next process is to know, as JSON has it."""
     joints = [{"name": one.name, "position": one.position, "holds": one.holds} for one in dead]
     goal = goal.under_way or goal
-    return {"dead": joints, "goal": {"stamp": goal.stamp, "moves": goal.state == "moving"}}
+    return {"dead": joints, GOAL: KeptGoal(goal.state, goal.reason, goal.stamp)._asdict()}
 
 
 def dead_of(kept: Mapping[str, Any], model: ArmModel) -> tuple[DeadJoint, ...]:
@@ -40,10 +41,5 @@ def dead_of(kept: Mapping[str, Any], model: ArmModel) -> tuple[DeadJoint, ...]:
 
 
 def goal_of(kept: Mapping[str, Any]) -> LastGoal:
-    """What became of the goal that was under way; idle where none was. Raises InvalidValueError."""
-    try:
-        if not kept["goal"]["moves"]:
-            return LastGoal(reason=RESTARTED)
-        return LastGoal("failed", f"goal lost: {RESTARTED}", int(kept["goal"]["stamp"]), abandoned=True)
-    except (KeyError, TypeError, ValueError) as error:
-        raise InvalidValueError("goal", kept.get("goal"), "a stamp, and whether it moves") from error
+    """What became of the last goal. Raises InvalidValueError."""
+    return LastGoal(*kept_goal(kept).after(RESTARTED), abandoned=True)

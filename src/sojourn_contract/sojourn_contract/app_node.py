@@ -12,7 +12,8 @@ from sojourn_contract.barrier import stamp_due
 from sojourn_contract.checkpoint_topic import RESUMED
 from sojourn_contract.disturbed_app import disturbed
 from sojourn_contract.handing_over import HandingBack, HandingOver
-from sojourn_contract.kept_data import KEEP_EVERY_NS, Kept, KeptData, KeptDataError
+from sojourn_contract.kept_data import Kept, KeptData, KeptDataError
+from sojourn_contract.kept_goal import newly_kept
 from sojourn_contract.node import ContractNode
 from sojourn_contract.role_state import RoleAtCheckpoint, RoleState
 from sojourn_contract.stamps import CONTROL_PERIOD_NS
@@ -62,7 +63,7 @@ class AppNode(ContractNode):
         self.state = self.app.initial_state()
         kept = self.declare_parameter("kept", "").value
         self._kept = KeptData(Path(kept)) if kept else None
-        self._kept_at = 0
+        self._kept_last: Kept | None = None
         self._starts_again = int(self.declare_parameter("restarts", 0).value) > 0
         self.checkpoint_every_s = float(self.declare_parameter("checkpoint_every_s", 0.0).value)
         self.handing_over: HandingOver | None = None
@@ -145,7 +146,7 @@ class AppNode(ContractNode):
         self.publish_all(answer.messages)
         if self.words is not None:
             self.words.end(stamp)
-        if self._kept is not None and abs(stamp - self._kept_at) >= KEEP_EVERY_NS:
+        if self._kept is not None:
             self._keep(stamp)
 
     def publish_all(self, messages: Iterable[tuple[str, Any]]) -> None:
@@ -164,12 +165,12 @@ class AppNode(ContractNode):
     def _keep(self, stamp: int) -> None:
         """Keep what the app must not lose."""
         assert self._kept is not None
-        values = self.app.to_keep(self.state)
-        self._kept_at = stamp
-        if values is None:
+        kept = newly_kept(self._kept_last, stamp, lambda: self.app.to_keep(self.state))
+        if kept is None:
             return
+        self._kept_last = kept
         try:
-            self._kept.write(stamp, values)
+            self._kept.write(kept.stamp, kept.values)
         except OSError as error:
             self.get_logger().error(f"nothing can be kept: {error}", throttle_duration_sec=10.0)
 

@@ -16,7 +16,8 @@ from sojourn_contract.arrival import check_input
 from sojourn_contract.corruption import bits_of, with_bit_flipped
 from sojourn_contract.disturbances import LISTENERS, concerns
 from sojourn_contract.errors import RefusedMessageError
-from sojourn_contract.kept_data import KEEP_EVERY_NS, Kept
+from sojourn_contract.kept_data import Kept
+from sojourn_contract.kept_goal import newly_kept
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
 from sojourn_contract.topic_table import TopicTable
 from sojourn_contract.topic_types import Topic
@@ -193,10 +194,7 @@ class DisturbedApp(App[DisturbedState[Any]]):
 
     def _kept(self, kept: Kept | None, app: Any, stamp: int) -> Kept | None:
         """What the app must not lose, as often as a node writes it."""
-        if kept is not None and stamp - kept.stamp < KEEP_EVERY_NS:
-            return kept
-        values = self._app.to_keep(app)
-        return kept if values is None else Kept(stamp, dict(values))
+        return newly_kept(kept, stamp, lambda: self._app.to_keep(app)) or kept
 
 
 def _arrived(way: Way, now: int) -> tuple[Way, list[Message]]:

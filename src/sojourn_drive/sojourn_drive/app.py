@@ -16,6 +16,7 @@ from sojourn_contract.hazcam import TOPIC as CLOUD
 from sojourn_contract.hazcam import hazard_camera_of, newest_cloud, own_body_of
 from sojourn_contract.heartbeat import status_values
 from sojourn_contract.kept_data import Kept
+from sojourn_contract.kept_goal import GOAL, KeptGoal, kept_goal
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stereo_pair import pair_place_of
 from sojourn_contract.topics import topic
@@ -77,15 +78,14 @@ class DriveApp(FlightApp[DriveAppState]):
         return DriveAppState(drive, self.model.at_rest(drive))
 
     def to_keep(self, state: DriveAppState) -> dict[str, Any]:
-        """Where it is, and whether it is on its way to a goal."""
+        """Where it is, and what has become of its goal."""
         last = state.asked.last.under_way or state.asked.last
-        goal = {"stamp": last.stamp, "moves": last.state == "moving"}
-        return {"odometry": kept_odometry(state.drive.odometry), "goal": goal, "lost": state.is_lost}
+        goal = KeptGoal(last.state, last.reason, last.stamp)._asdict()
+        return {"odometry": kept_odometry(state.drive.odometry), GOAL: goal, "lost": state.is_lost}
 
     def started_again(self, state: DriveAppState, stamp: int, kept: Kept | None) -> DriveAppState:
-        """Where the process before has been, or lost; its goal is lost."""
+        """Where the process before has been, or lost; a goal that was under way is lost."""
         estimate = state.drive.odometry
-        last = GoalStatus()
         try:
             if kept is None or kept.values["lost"]:
                 raise InvalidValueError("kept", None, "a pose")
@@ -95,13 +95,15 @@ class DriveApp(FlightApp[DriveAppState]):
             alarm = f"the drive was restarted: it goes on from ({estimate.x:.2f}, {estimate.y:.2f}) +- {way:.2f} m"
         except (InvalidValueError, KeyError, TypeError):
             estimate, is_lost, alarm = lost(estimate), True, LOST
-        if kept is not None and kept.values.get("goal", {}).get("moves"):
-            last = GoalStatus("failed", f"goal lost: {alarm}", int(kept.values["goal"]["stamp"]))
+        try:
+            last = GoalStatus(*kept_goal({} if kept is None else kept.values).after(alarm))
+        except InvalidValueError:
+            last = GoalStatus(reason=alarm)
         drive = self.model.initial_state(estimate.x, estimate.y, estimate.yaw)
         drive = replace(drive, odometry=estimate, text=alarm)
         return replace(
             DriveAppState(drive, self.model.at_rest(drive)),
-            asked=Asked(last=replace(last, reason=last.reason or alarm)),
+            asked=Asked(last=last),
             alarm=alarm,
             is_lost=is_lost,
         )
