@@ -13,9 +13,14 @@ FAULTS = """[
   {kind: message_repeated, topic: /goal_pose, at: 0},
   {kind: node_slow, node: power, delay: 0.1, at: 1},
   {kind: node_killed, node: arm, at: 3, lasts: 1},
+  {name: lens, kind: sensor, sensor: hazcam, dust: 0.3, at: 1.5},
+  {kind: node_restarted, node: sensors, at: 3},
+  {kind: node_restarted, node: power, at: 4},
   {kind: node_restarted, node: drive, at: 6}]"""
 STEPS = "steps=[{drive_to: {x: 1.0, y: 0.0}, timeout_s: 20.0}]"
-DISTURBED = ("flat_drive", *PATIENT, "--set", f"faults={FAULTS}", "--set", STEPS)
+LATE = "sensors.sun.timing={latency: 0.1}"
+"""What was on its way when the sensors were restarted, others wait for."""
+DISTURBED = ("flat_drive", *PATIENT, "--set", f"faults={FAULTS}", "--set", STEPS, "--set", LATE)
 
 
 def test_disturbances_are_the_same_over_topics(tmp_path: Path) -> None:
@@ -23,5 +28,7 @@ def test_disturbances_are_the_same_over_topics(tmp_path: Path) -> None:
     require_same(bags["direct"], bags["processes"])
     refused = [status for status in bags["direct"].topics["/diagnostics"].data if b"refused" in status]
     assert refused  # corrupted and repeated messages are told
+    beats = b"".join(bags["direct"].topics["/diagnostics"].data)
+    assert all(f"the {who} restarted".encode() in beats for who in ("sensors were", "power manager was", "arm was"))
     states = b"".join(bags["direct"].topics["/drive/status"].data)
     assert b"goal lost: the drive was restarted" in states

@@ -62,6 +62,8 @@ class ArmAppState:
     """What was asked for last on a base that floats; None before it, and on all others."""
     base: dict[str, str] = field(default_factory=dict)
     """What the status tells of such a base."""
+    alarm: str = ""
+    """That its process is not the run's first, until it takes a goal."""
 
 
 class ArmApp(FlightApp[ArmAppState]):
@@ -102,12 +104,17 @@ class ArmApp(FlightApp[ArmAppState]):
         """With the joints that the process before knew of; its goal is lost."""
         try:
             if kept is None:
-                return replace(state, goal=LastGoal(reason=RESTARTED))
+                return replace(state, goal=LastGoal(reason=RESTARTED), alarm=RESTARTED)
             dead, goal = dead_of(kept.values, self.model), goal_of(kept.values)
         except InvalidValueError as error:
-            return replace(state, goal=LastGoal(reason=f"{RESTARTED}, and what was kept cannot be used: {error}"))
+            alarm = f"{RESTARTED}, and what was kept cannot be used: {error}"
+            return replace(state, goal=LastGoal(reason=alarm), alarm=alarm)
         tasks = replace(state.tasks, arm=replace(state.tasks.arm, dead=dead))
-        return replace(state, tasks=tasks, goal=goal)
+        return replace(state, tasks=tasks, goal=goal, alarm=RESTARTED)
+
+    def heartbeat_values(self, state: ArmAppState, stamp: int) -> dict[str, str]:
+        """Its alarm."""
+        return {"alarm": state.alarm} if state.alarm else {}
 
     def step(self, state: ArmAppState, period: Period) -> tuple[ArmAppState, Answer]:
         """One step of the arm's control, with the measurements of this period."""
@@ -151,7 +158,7 @@ class ArmApp(FlightApp[ArmAppState]):
         for name, message in period.goals:
             try:
                 request = self._goals.request(name, message, period.stamp, rover)
-                state = replace(state, goal=state.goal.begun(message), pending=request)
+                state = replace(state, goal=state.goal.begun(message), pending=request, alarm="")
             except (GoalRefusedError, RefusedMessageError) as refusal:
                 told, is_told = str(refusal), isinstance(refusal, RefusedMessageError)
                 state = replace(state, goal=state.goal.refused_at_once(message, told, state.pending is not None))

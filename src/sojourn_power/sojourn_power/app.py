@@ -3,7 +3,6 @@
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
@@ -14,6 +13,7 @@ from sojourn_contract.app import Answer, FlightApp, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import NotCarriedOutError
 from sojourn_contract.heartbeat import status_message
+from sojourn_contract.kept_data import Kept
 from sojourn_contract.messages import battery_readings, battery_state
 from sojourn_contract.run_table import table_of
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, CONTROL_PERIOD_S
@@ -22,13 +22,15 @@ from sojourn_contract.values import BatteryState
 from sojourn_flight.power_manager import law
 from sojourn_flight.power_manager.faults import Fault
 from sojourn_flight.power_manager.forecast import Forecaster, Known, PowerForecast, nothing_foreseen
-from sojourn_flight.power_manager.law import PowerManagerInput, PowerManagerOutput, PowerManagerState
+from sojourn_flight.power_manager.law import PowerManagerInput, PowerManagerOutput
 from sojourn_flight.power_manager.reading import StoreReading
 from sojourn_machine.errors import MachineError
 from sojourn_machine.evolution import replace
 from sojourn_machine.thermal.machine_heat import HeatState
 from sojourn_power.forecast_message import forecast_message
-from sojourn_power.requests import NO_REQUEST, LastRequest, switches_of
+from sojourn_power.memory import PowerState
+from sojourn_power.requests import LastRequest, switches_of
+from sojourn_power.restart import kept_values, started_again
 
 UNKNOWN, OVERHEAT, DEAD, UNSPECIFIED_FAILURE, COLD = 0, 2, 3, 5, 6
 """Of the enumeration POWER_SUPPLY_HEALTH in sensor_msgs/BatteryState."""
@@ -37,28 +39,6 @@ END_OF_LIFE = 0.8
 """Part of its nominal capacity below which a battery counts as worn out [1]."""
 BUS, SWITCHES, CHARGE, FORECAST = "/bus/state", "/power/switches", "/battery_state", "/power/forecast"
 PERIOD_S = topic(SWITCHES).every * CONTROL_PERIOD_S
-
-
-@dataclass(frozen=True, slots=True)
-class PowerState:
-    """What the role remembers."""
-
-    manager: PowerManagerState
-    telemetry: tuple[StoreReading | None, ...]
-    """The last good one of each store; None until it has come."""
-    request: LastRequest = NO_REQUEST
-    stepped_at: int | None = None
-    """Stamp of the last step [ns]; None where it is not known."""
-    heat: HeatState | None = None
-    """Of the machine as it is believed to be, where its files say it."""
-    looked_at: int = 0
-    """Stamp of that [ns]."""
-    clean: float | None = None
-    """Part of their light that is believed to reach the cells of the arrays [1]; None: as their files have it."""
-    held: float = 0.0
-    """Believed to be drawn at rest beyond what is known of the loads [W]."""
-    ahead: str = ""
-    """What the last forecast comes to, in words."""
 
 
 class PowerApp(FlightApp[PowerState]):
@@ -71,6 +51,7 @@ class PowerApp(FlightApp[PowerState]):
         light = light_at_start(known)
         around, warmth = expected_light(known, light), heat_at_start(known, light)
         self._forecaster = Forecaster(self.params, known.activities, around, warmth)
+        self._heat = None if warmth is None else warmth.heat.initial_state()
         table = table_of(known)
         self._stores = tuple(row.name for row in table.each(BUS))
         self._charges = tuple(row.name for row in table.each(CHARGE))
@@ -83,6 +64,18 @@ class PowerApp(FlightApp[PowerState]):
     def initial_state(self) -> PowerState:
         """As the manager's file has it."""
         return PowerState(law.initial_state(self.params), (None,) * len(self._stores))
+
+    def to_keep(self, state: PowerState) -> dict[str, Any]:
+        """What was asked of it, and what it believes and would not find again soon."""
+        return kept_values(self.params, state)
+
+    def started_again(self, state: PowerState, stamp: int, kept: Kept | None) -> PowerState:
+        """As the process before has left the loads; where that is not known they come back in stages."""
+        return started_again(self.params, self._heat, state, stamp, kept)
+
+    def heartbeat_values(self, state: PowerState, stamp: int) -> dict[str, str]:
+        """Its alarm."""
+        return {"alarm": state.alarm} if state.alarm else {}
 
     def step(self, state: PowerState, period: Period) -> tuple[PowerState, Answer]:
         """Estimate the charges and set the switches from the telemetry of this period."""
@@ -147,12 +140,12 @@ class PowerApp(FlightApp[PowerState]):
         return replace(state, stepped_at=None)
 
     def _take_requests(self, state: PowerState, period: Period, refusals: list[Refusal]) -> PowerState:
-        """What operators want of the loads from now on."""
+        """What operators want of the loads from now on; who asks knows of a restart, and its alarm ends."""
         for name, message in period.goals:
             try:
                 asked = switches_of(message)
                 manager = law.requested(self.params, state.manager, asked)
-                state = replace(state, manager=manager, request=LastRequest(message.stamp, asked))
+                state = replace(state, manager=manager, request=LastRequest(message.stamp, asked), alarm="")
             except MachineError as refusal:
                 state = replace(state, request=LastRequest(message.stamp, refused=str(refusal)))
                 refusals.append((name, str(NotCarriedOutError(name, "request", str(refusal)))))
@@ -193,6 +186,7 @@ def _health(faults: Sequence[Fault], store: str) -> int:
 
 def _status(stamp: int, output: PowerManagerOutput, state: PowerState) -> Any:
     shed = [switch for switch in output.switches if switch.mode == "off"]
+    alarms = [state.alarm] if state.alarm else []
     values = {
         "mode": output.mode,
         "mode_reason": output.mode_reason,
@@ -203,7 +197,7 @@ def _status(stamp: int, output: PowerManagerOutput, state: PowerState) -> Any:
         "drive_fraction": f"{output.drive_fraction:.3f}",
         "correcting": str(output.correcting).lower(),
         "shed": ",".join(switch.name for switch in shed),
-        "reason": "; ".join([*output.warnings, *(f"{switch.name}: {switch.reason}" for switch in shed)]),
+        "reason": "; ".join([*alarms, *output.warnings, *(f"{switch.name}: {switch.reason}" for switch in shed)]),
     }
     for number, known in enumerate(output.filters):
         if known is not None:

@@ -1,7 +1,6 @@
 """The sensors without ROS: truth in, measurements out, from the sensors that the machine's file names."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from sojourn_contract.app import NOTHING, Answer, App, Period, Refusal
 from sojourn_contract.barrier import is_due
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.goal_topics import FAULTS_TOPIC
+from sojourn_contract.kept_data import Kept
 from sojourn_contract.messages import battery_state, wrench_stamped
 from sojourn_contract.run_table import table_of
 from sojourn_contract.topic_types import Topic
@@ -23,29 +23,11 @@ from sojourn_machine.sensor_fault import SensorFault
 from sojourn_sensors.absent import absent_kinds
 from sojourn_sensors.fault_hooks import FaultyState
 from sojourn_sensors.faults import SensorFaults
+from sojourn_sensors.memory import SensorsRestart, SensorsState
+from sojourn_sensors.restart import begun, kept_values, started_again
 from sojourn_sensors.sensor import Sensor, SensorSite, Truth
 from sojourn_sensors.supply import LOADS, without_power
 from sojourn_sensors.timing import LateReading, timing_of
-
-
-@dataclass(frozen=True, slots=True)
-class SensorsState:
-    """What the role remembers."""
-
-    sensors: tuple[Any, ...] | None = None
-    """State of each sensor; None until the first truth says which joints there are and how the machine stands."""
-    readings: tuple[Any, ...] = ()
-    """The last of each sensor, which is told again where the truth cannot be used; None without power."""
-    dead: frozenset[str] = frozenset()
-    """Sensors without power."""
-    faulty: Mapping[str, FaultyState] = field(default_factory=dict)
-    """What is wrong with the readings of sensors, by the names of those that have faults."""
-    waiting: Mapping[str, Sequence[LateReading]] = field(default_factory=dict)
-    """Readings that are told later, by the names of the sensors that have a timing of their own."""
-    off: frozenset[str] = frozenset()
-    """Sensors on demand to which nobody listens: they neither measure nor speak."""
-    measured_at: int = 0
-    """Stamp of the last truth that could be used [ns]; zero where it is not known."""
 
 
 class SensorsApp(App[SensorsState]):
@@ -88,11 +70,20 @@ class SensorsApp(App[SensorsState]):
         if row.name == FAULTS_TOPIC:
             self._faults.check(message)
 
+    def to_keep(self, state: SensorsState) -> dict[str, Any]:
+        """What the sensors themselves are, whichever process reads them."""
+        return kept_values(self.sensors, self._faults, state)
+
+    def started_again(self, state: SensorsState, stamp: int, kept: Kept | None) -> SensorsState:
+        """With what is wrong with the sensors as with those before."""
+        return started_again(self._faults, state, stamp, kept)
+
     def heartbeat_values(self, state: SensorsState, stamp: int) -> dict[str, str]:
-        """Faults that have come during the run."""
+        """Faults that have come during the run, and that it is not the run's first process."""
         tables = {name for sensor in self.sensors for name in sensor.params.faults}
         names = [name for one in state.faulty.values() for name, _ in one.faults if name not in tables]
-        return {"faults": ", ".join(names)} if names else {}
+        values = {"faults": ", ".join(names)} if names else {}
+        return values if state.restart is None else values | {"alarm": state.restart.alarm}
 
     def on_new_time(self, state: SensorsState) -> SensorsState:
         """The time since the last truth is not known."""
@@ -134,15 +125,12 @@ class SensorsApp(App[SensorsState]):
         truth, number = Truth(stamp, odometry, joints, inputs), stamp // stamps.CONTROL_PERIOD_NS
         dt = (stamp - state.measured_at) * 1e-9 if state.measured_at else stamps.CONTROL_PERIOD_S
         try:
-            if state.sensors is None:
-                after = [sensor.initial_state(truth) for sensor in self.sensors]
-                readings: list[Any] = [None] * len(after)
-            else:
-                after, readings = list(state.sensors), list(state.readings)
+            first = state if state.sensors is not None else begun(self.sensors, state, truth)
+            after, readings = list(first.sensors or ()), list(first.readings)
             for place, sensor in enumerate(self.sensors):
                 if sensor.name in state.off and not sensor.params.heard_rows:
                     after[place] = None  # it begins anew when somebody listens
-                elif sensor.name not in state.off and self._measures(place, number):
+                elif sensor.name not in state.off and self._measures(place, number, state.restart):
                     before = sensor.initial_state(truth) if after[place] is None else after[place]
                     read = sensor.step_without_power if sensor.name in state.dead else sensor.step
                     after[place], readings[place] = read(before, truth, dt)
@@ -150,13 +138,15 @@ class SensorsApp(App[SensorsState]):
                     after[place] = sensor.hear(after[place], truth)
         except (MachineError, RefusedMessageError) as error:
             return state, [("/truth/joint_states", str(error))]
-        faulty = self._fault(state, readings, stamp) if state.faulty else state.faulty
-        return replace(state, sensors=tuple(after), readings=tuple(readings), faulty=faulty, measured_at=stamp), []
+        faulty = self._fault(first, readings, stamp) if first.faulty else first.faulty
+        return replace(first, sensors=tuple(after), readings=tuple(readings), faulty=faulty, measured_at=stamp), []
 
-    def _measures(self, place: int, number: int) -> bool:
-        """Whether a sensor measures in a control period."""
+    def _measures(self, place: int, number: int, restart: SensorsRestart | None) -> bool:
+        """Whether a sensor measures in a control period; see `Timing.lost` for the first after a restart."""
         timing, every = self._timings[place], self.sensors[place].every
-        return number % every == 0 if timing is None else timing.measures(number)
+        if timing is None:
+            return number % every == 0
+        return timing.measures(number) or (restart is not None and number == restart.number)
 
     def _fault(self, state: SensorsState, readings: list[Any], stamp: int) -> Mapping[str, FaultyState]:
         """Put faults on the readings that are of this stamp [ns]; the state of the faults after it. What a sensor says
@@ -166,7 +156,7 @@ class SensorsApp(App[SensorsState]):
         for place, sensor in enumerate(self.sensors):
             if sensor.name not in faulty or sensor.name in state.off or sensor.name in state.dead:
                 continue
-            if self._measures(place, number):
+            if self._measures(place, number, state.restart):
                 hook = self._faults.hooks[sensor.name]
                 faulty[sensor.name], readings[place] = hook.step(faulty[sensor.name], readings[place], stamp)
         return faulty
@@ -178,6 +168,8 @@ class SensorsApp(App[SensorsState]):
         for sensor, timing, reading in zip(self.sensors, self._timings, state.readings, strict=True):
             if timing is not None and sensor.name not in state.off:
                 waiting = timing.with_reading(state.waiting.get(sensor.name, ()), number, reading)
+                if state.restart is not None:
+                    waiting = [*timing.lost(state.restart.number, number, reading), *waiting]
                 told[sensor.name] = [one for one in waiting if one.leaves <= number]
                 rest[sensor.name] = tuple(one for one in waiting if one.leaves > number)
         return replace(state, waiting=rest), told

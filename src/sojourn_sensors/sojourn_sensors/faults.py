@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from sojourn_config.errors import ConfigError
+from sojourn_config.errors import ConfigError, shown
 from sojourn_contract import stamps
 from sojourn_contract.errors import RefusedMessageError
 from sojourn_contract.fault_messages import read_fault
@@ -36,6 +36,36 @@ class SensorFaults:
         """As the tables have it."""
         found = {name: self._in_table(name) for name in self._sensors}
         return {name: FaultyState(tuple(faults.items())) for name, faults in found.items() if faults}
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Of the sensors, whether they have faults or not."""
+        return frozenset(self._sensors)
+
+    def kept(self, faulty: Faulty) -> list[list[Any]]:
+        """All faults as JSON has them: sensor, name and words of each."""
+        return [
+            [sensor, name, fault.model_dump(mode="json", exclude_defaults=True)]
+            for sensor, state in faulty.items()
+            for name, fault in state.faults
+        ]
+
+    def of_kept(self, values: Any) -> tuple[Faulty, list[str]]:
+        """The faults that `kept` has made JSON of, and in words what is none that a sensor can have."""
+        faulty, lost = dict[str, FaultyState](), list[str]()
+        for each in values if isinstance(values, list) else [values]:
+            try:
+                sensor, name, words = each
+                fault = SensorFaultParams.model_validate(words)
+                if not (isinstance(name, str) and changes_readings(fault)):
+                    raise ValueError(name)
+                self._check(sensor, {name: fault})
+            except (ConfigError, KeyError, TypeError, ValueError):
+                lost.append(f"fault {shown(each)}")
+                continue
+            before = faulty.get(sensor, FaultyState(()))
+            faulty[sensor] = replace(before, faults=(*before.faults, (name, fault)))
+        return faulty, lost
 
     def check_tables(self, scheduled: Sequence[SensorFault]) -> None:
         """Raise ConfigError for a fault of a table, or of a schedule, that its sensor cannot have."""

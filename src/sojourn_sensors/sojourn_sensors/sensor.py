@@ -135,6 +135,16 @@ class Sensor(Generic[AnyParams, AnyState, AnyReading]):
         """
         return state
 
+    def hardware(self, state: AnyState) -> Any:
+        """What of its state the part itself remembers, whichever process reads it: plain values and arrays, mappings
+        and tuples of them; None: nothing.
+        """
+        return None
+
+    def with_hardware(self, state: AnyState, hardware: Any) -> AnyState:
+        """A first state with what the part remembers. Raises MachineError, TypeError, ValueError for what is none."""
+        return state
+
     def faulted(self, reading: AnyReading, fault: FaultNow) -> AnyReading:
         """A reading with a numerical fault. Raises ValueError, with what is allowed, for one that it cannot have."""
         return faulted(reading, fault)

@@ -48,6 +48,18 @@ class Timing:
                 topics.setdefault((leaves, delivery.stamped(period)), []).append(name)
         return [*waiting, *(LateReading(*when, tuple(names), reading) for when, names in topics.items())]
 
+    def lost(self, begun: int, period: int, reading: Any) -> list[LateReading]:
+        """What leaves in a control period and was measured before another process began, in period `begun`: nobody
+        knows it any more. In lock-step others wait for it, so a reading of this process stands for it, under its stamp.
+        """
+        return [
+            LateReading(period, delivery.stamped(measured), (name,), reading)
+            for name, delivery in self._rows
+            if period - begun <= delivery.longest
+            for measured in delivery.left_at(period)
+            if measured < begun
+        ]
+
 
 def timing_of(rows: Sequence[Topic], every: int) -> Timing | None:
     """The timing of a sensor that speaks on these rows; None where all is said when it is measured."""

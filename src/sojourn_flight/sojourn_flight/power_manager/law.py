@@ -200,11 +200,15 @@ def foreseen(params: PowerManagerParams, state: PowerManagerState, least: float)
     return _changed(params, state, modes.foreseen(params.law.sleep, state.sleep, least, params.law.forecast.hours))
 
 
+def in_stages(params: PowerManagerParams, state: PowerManagerState) -> PowerManagerState:
+    """With loads that come back one level after another, as after a low bus."""
+    return replace(state, level_by_voltage=len(params.shed_priorities), high_elapsed=0.0)
+
+
 def _changed(params: PowerManagerParams, state: PowerManagerState, sleep: SleepState) -> PowerManagerState:
-    """After sleep may have begun or ended: loads come back one level after another, as after a low bus."""
-    if state.sleep.asleep and not sleep.asleep:
-        return replace(state, sleep=sleep, level_by_voltage=len(params.shed_priorities), high_elapsed=0.0)
-    return replace(state, sleep=sleep)
+    """After sleep may have begun or ended."""
+    wakes = state.sleep.asleep and not sleep.asleep
+    return replace(in_stages(params, state) if wakes else state, sleep=sleep)
 
 
 def warm_up(params: PowerManagerParams) -> None:

@@ -69,6 +69,16 @@ class ImuSensor(Sensor[ImuSensorParams, ImuSensorState, ImuReading]):
         numbers = {"orientation": np.full(4, NOT_MEASURED), "angular_velocity": none, "specific_force": none}
         return state, replace(reading, **numbers)
 
+    def hardware(self, state: ImuSensorState) -> Any:
+        """Slow errors and attitude, with the motion up to which it has followed it."""
+        errors = state.imu
+        return errors.memory, errors.orientation, errors.elapsed, errors.heat, state.temperature, state.motion
+
+    def with_hardware(self, state: ImuSensorState, hardware: Any) -> ImuSensorState:
+        memory, orientation, elapsed, heat, temperature, motion = hardware
+        errors = replace(state.imu, memory=memory, orientation=orientation, elapsed=elapsed, heat=heat)
+        return ImuSensorState(errors, temperature, motion)
+
     def messages(self, stamp: int, reading: ImuReading | None) -> Iterator[tuple[str, Any]]:
         if reading is not None:
             yield (

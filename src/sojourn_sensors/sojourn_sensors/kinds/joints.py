@@ -8,6 +8,7 @@ from pydantic import Field
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.topics import topic
 from sojourn_contract.values import JointState
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_choice import SensorParams
 from sojourn_physics.sensors import joints
@@ -46,6 +47,16 @@ class JointSensors(Sensor[JointSensorsParams, JointSensorState, tuple[tuple[str,
     ) -> tuple[JointSensorState, tuple[tuple[str, ...], JointMeasurement]]:
         state, reading = joints.step(state, self._true(truth), dt)
         return state, (state.layout.joint_names, reading)
+
+    def hardware(self, state: JointSensorState) -> Any:
+        """Of angle sensors that are no encoders, by joint: memory, and the angle told last [rad]."""
+        names = [state.layout.joint_names[place] for place in state.layout.others]
+        return {name: (one.memory, one.told[0]) for name, one in zip(names, state.others, strict=True)}
+
+    def with_hardware(self, state: JointSensorState, hardware: Any) -> JointSensorState:
+        known = [hardware[state.layout.joint_names[place]] for place in state.layout.others]
+        others = zip(state.others, known, strict=True)
+        return replace(state, others=tuple(replace(one, memory=memory, told=(told,)) for one, (memory, told) in others))
 
     def messages(
         self, stamp: int, reading: tuple[tuple[str, ...], JointMeasurement] | None

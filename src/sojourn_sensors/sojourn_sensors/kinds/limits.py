@@ -10,6 +10,7 @@ from pydantic import Field
 from sojourn_contract.heartbeat import status_message
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.topic_types import FieldRule, Topic
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_choice import MachinePart, SensorParams
 from sojourn_physics.sensors import limit_switch
@@ -65,6 +66,14 @@ class LimitSwitches(Sensor[LimitSwitchesParams, LimitSwitchState, NDArray[np.boo
 
     def step_without_power(self, state: LimitSwitchState, truth: Truth, dt: float) -> tuple[LimitSwitchState, None]:
         return self.step(state, truth, dt)[0], None
+
+    def hardware(self, state: LimitSwitchState) -> Any:
+        """Which are pressed, and where each operates next."""
+        return state.pressed, state.off
+
+    def with_hardware(self, state: LimitSwitchState, hardware: Any) -> LimitSwitchState:
+        pressed, off = hardware
+        return replace(state, pressed=pressed, off=off)
 
     def messages(self, stamp: int, reading: NDArray[np.bool_] | None) -> Iterator[tuple[str, Any]]:
         rows = [] if reading is None else zip(self.params.joints, reading.tolist(), strict=True)

@@ -12,6 +12,7 @@ from sojourn_contract.messages import ABSOLUTE_ZERO_C
 from sojourn_contract.topic_types import FieldRule, Topic
 from sojourn_contract.types import message_class
 from sojourn_contract.values import NOT_MEASURED
+from sojourn_machine.evolution import replace
 from sojourn_machine.sensor_choice import MachinePart, SensorParams
 from sojourn_physics.sensors import resistance_thermometer
 from sojourn_physics.sensors.platinum_thermometer import PlatinumThermometerParams
@@ -106,6 +107,15 @@ class Thermometer(Sensor[OnPartParams, ThermometerMemory, ThermometerReading]):
 
     def step_without_power(self, state: ThermometerMemory, truth: Truth, dt: float) -> tuple[ThermometerMemory, None]:
         return self._after(state, truth)[0], None
+
+    def hardware(self, state: ThermometerMemory) -> Any:
+        """Temperature of its element [K]."""
+        return None if state.thermometer is None else state.thermometer.element
+
+    def with_hardware(self, state: ThermometerMemory, hardware: Any) -> ThermometerMemory:
+        thermometer = resistance_thermometer.initial_state(self.params, self.site.seed, self.name, hardware)
+        known = hardware if state.known is None else state.known
+        return replace(state, thermometer=thermometer, known=known)
 
     def messages(self, stamp: int, reading: ThermometerReading | None) -> Iterator[tuple[str, Any]]:
         said = message_class(ROW.type)(temperature=NOT_MEASURED)

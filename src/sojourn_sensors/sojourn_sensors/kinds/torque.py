@@ -1,7 +1,7 @@
 """Torque sensors in joints: /joint_torque/NAME."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +11,7 @@ from sojourn_contract.field_rules import EFFORT
 from sojourn_contract.joint_places import JointPlaces
 from sojourn_contract.topic_types import Topic
 from sojourn_contract.values import JointState
+from sojourn_machine.evolution import replace
 from sojourn_machine.params import FloatArray
 from sojourn_machine.sensor_choice import MachinePart, SensorParams
 from sojourn_physics.sensors import strain_gauge
@@ -81,6 +82,13 @@ class TorqueSensor(Sensor[TorqueSensorParams, TorqueMemory, FloatArray]):
 
     def step_without_power(self, state: TorqueMemory, truth: Truth, dt: float) -> tuple[TorqueMemory, None]:
         return self.step(state, truth, dt)[0], None
+
+    def hardware(self, state: TorqueMemory) -> FloatArray:
+        """Creep of the gauges."""
+        return state.gauges.creep
+
+    def with_hardware(self, state: TorqueMemory, hardware: FloatArray) -> TorqueMemory:
+        return replace(state, gauges=replace(state.gauges, creep=hardware))
 
     def messages(self, stamp: int, reading: FloatArray | None) -> Iterator[tuple[str, Any]]:
         names = () if reading is None else self.params.joints
