@@ -231,6 +231,17 @@ def test_a_node_that_is_killed_for_good_does_not_begin_anew() -> None:
     assert state.app.from_kept is None and state.restarts == 0 and len(state.app.goals) == 1
 
 
+@given(begin=st.integers(0, 90), end=st.integers(0, 90))
+def test_a_node_that_is_never_killed_does_not_begin_anew(begin: int, end: int) -> None:
+    """It was restarted at the end of a fault that never came, and its goal was lost."""
+    killed = Disturbance("killed", "", "drive", begin * CONTROL_PERIOD_NS, end * CONTROL_PERIOD_NS)
+    assert killed.begins_anew == (killed.end if begin < end else None)
+    state, _ = heard([killed], 100)
+    assert state.restarts == (begin < end)
+    if begin >= end:
+        assert state.app.from_kept is None and len(state.app.readings) == 100
+
+
 def test_nothing_is_heard_of_a_node_while_it_is_dead() -> None:
     begin, end = 40 * CONTROL_PERIOD_NS, 80 * CONTROL_PERIOD_NS
     state, _ = heard([Disturbance("killed", "", "sensors", begin, end)], 100)

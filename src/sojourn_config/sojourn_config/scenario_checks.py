@@ -173,11 +173,12 @@ def faultable(bundle: Bundle, terrain: TerrainParams) -> FaultableMachine:
     """What of a machine on its ground may have a fault."""
     joints = bundle.urdf.joints
     travel = {name: (joints[name].lower, joints[name].upper) for name in bundle.urdf.moving_joints}
-    return FaultableMachine(bundle.machine, travel, bundle.power, bundle.sensors.sensors, terrain.bounds)
+    efforts = {name: joints[name].effort for name in travel}
+    return FaultableMachine(bundle.machine, travel, efforts, bundle.power, bundle.sensors.sensors, terrain.bounds)
 
 
 def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocument) -> Iterator[Problem]:
-    """A fault is one of something that the machine has, comes at some time, and has a name of its own."""
+    """A fault is one of what the machine has, also with those above, comes at some time, and has a name of its own."""
     machine = faultable(bundle, config.terrain)
     for index, fault in enumerate(config.faults):
         path: KeyPath = ("faults", index)
@@ -189,5 +190,6 @@ def _fault_problems(config: "ScenarioConfig", bundle: Bundle, document: YamlDocu
         if any(other.called == fault.called for other in config.faults[:index]):
             allowed = "is the name of a fault above already: allowed is each name once, said by the key name"
             yield document.problem((*path, "name"), fault.called, allowed)
-        for key, value, allowed in fault.problems(machine):
-            yield document.problem((*path, key), value, allowed)
+        found = list(fault.problems(machine))
+        yield from (document.problem((*path, key), value, allowed) for key, value, allowed in found)
+        machine = machine if found else fault.left_of(machine)

@@ -37,10 +37,10 @@ class Disturbance(NamedTuple):
 
     @property
     def begins_anew(self) -> int | None:
-        """Stamp from which on its node is another one [ns]; None where it is never."""
+        """Stamp from which on its node is another one [ns]; None where it never is, or is not killed at all."""
         if self.effect == "restarted":
             return self.begin
-        return self.end if self.effect == "killed" and self.end < FOR_EVER else None
+        return self.end if self.effect == "killed" and self.begin < self.end < FOR_EVER else None
 
     def meets(self, stamp: int) -> bool:
         """Whether it meets the message of a stamp [ns]."""

@@ -33,6 +33,8 @@ class FaultableMachine(NamedTuple):
     machine: MachineParams
     travel: Mapping[str, tuple[float, float]]
     """Least and greatest angle of each joint that moves [rad]."""
+    efforts: Mapping[str, float]
+    """Largest of each joint that moves, as the URDF has it; infinite where it says none [N m or N]."""
     power: PowerParams
     sensors: Mapping[str, SensorParams]
     """By their names."""
@@ -61,6 +63,11 @@ class TriggerParams(Params):
         if self.between is not None and not 0.0 <= self.between[0] <= self.between[1] <= LATEST:
             raise ValueError(f"between {self.between}: allowed are two times from 0 to {LATEST:g} s, the first first")
         return self
+
+    @property
+    def earliest(self) -> float:
+        """Simulated time before which nothing comes of it [s]."""
+        return self.later + (0.0 if self.between is None else self.between[0])
 
 
 class ExpectedDetection(Params):
@@ -105,8 +112,11 @@ class FaultChoice(Params):
             raise ValueError("at and when: allowed is one of them")
         if self.until is not None and self.lasts is not None:
             raise ValueError("until and lasts: allowed is one of them")
-        if self.until is not None and self.at is not None and self.until <= self.at:
-            raise ValueError(f"until = {self.until:g}: allowed is later than at = {self.at:g} s")
+        first = self.at if self.when is None else self.when.earliest
+        if self.until is not None and first is not None and self.until <= first:
+            raise ValueError(
+                f"until = {self.until:g}: allowed is later than {first:g} s, when it comes at the earliest"
+            )
         if not self.heals and (self.until is not None or self.lasts is not None):
             raise ValueError(f"{self.kind} does not go again: allowed is neither until nor lasts")
         return self
@@ -133,6 +143,10 @@ class FaultChoice(Params):
     def problems(self, machine: FaultableMachine) -> Iterable[FaultProblem]:
         """What of it does not fit a machine."""
         return ()
+
+    def left_of(self, machine: FaultableMachine) -> FaultableMachine:
+        """What of a machine that it fits faults that come besides can have."""
+        return machine
 
     @property
     def in_scenario_alone(self) -> bool:
@@ -163,9 +177,17 @@ def read_fault_words(words: Mapping[str, object]) -> FaultChoice:
     try:
         return FAULTS.get(str(words.get("kind", ""))).model_validate(dict(words))
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        key = ".".join(str(part) for part in first["loc"]) or "words"
-        raise InvalidValueError(key, words.get(key, ""), _sentence(first["msg"])) from None
+        raise first_problem(error, words) from None
+
+
+def first_problem(error: ValidationError, given: Mapping[str, object]) -> InvalidValueError:
+    """The first of what is refused. given: values by their keys, as they were given."""
+    first = error.errors(include_url=False)[0]
+    cause = first.get("ctx", {}).get("error")
+    if isinstance(cause, InvalidValueError):
+        return cause
+    key = ".".join(str(part) for part in first["loc"]) or "words"
+    return InvalidValueError(key, given.get(key, ""), _sentence(first["msg"]))
 
 
 def _sentence(text: str) -> str:

@@ -6,6 +6,7 @@ how many it has sent; drive, arm and plant wait for that tick, and so a scripted
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from sojourn_config.scenario import LoadedScenario
 from sojourn_contract import stamps
@@ -13,11 +14,18 @@ from sojourn_contract.app import NOTHING, Answer, App, Period
 from sojourn_contract.events import format_tick
 from sojourn_contract.goal_topics import FAULTS_TOPIC, GOAL_TOPICS
 from sojourn_contract.heartbeat import beats, status_values
+from sojourn_contract.kept_data import Kept
 from sojourn_contract.link_topics import LINK_STATUS
 from sojourn_contract.topics import topic
 from sojourn_contract.values import Header, Odometry
 from sojourn_machine.evolution import replace
-from sojourn_operator.fault_schedule import FaultSchedule, ScheduleState, SeenRun
+from sojourn_operator.fault_schedule import (
+    FaultSchedule,
+    ScheduleState,
+    SeenRun,
+    schedule_as_data,
+    schedule_from_data,
+)
 from sojourn_operator.goal_messages import report_of
 from sojourn_operator.link.commands import reports_on_earth
 from sojourn_operator.link.earth_link import EarthLink, LinkState, Said
@@ -28,6 +36,8 @@ from sojourn_operator.steps.step import GoalReport, RunFacts
 from sojourn_operator.steps.wait import WaitStep
 
 TRUTH, TICK = "/truth/odom", "/operator/tick"
+FAULTS = "faults"
+"""Key in what is kept: how far their schedule is."""
 COUNTED = frozenset(row.name for row in GOAL_TOPICS)
 """Topics of which a tick tells how many messages have been sent."""
 _STATUSES = {"/drive/status": "drive", "/arm/status": "arm"}
@@ -74,6 +84,17 @@ class OperatorApp(App[OperatorState]):
     def initial_state(self) -> OperatorState:
         """Before the first step."""
         return OperatorState(self.script.begin(), link=None if self._link is None else LinkState())
+
+    def to_keep(self, state: OperatorState) -> Mapping[str, Any] | None:
+        """How far the schedule of faults is; what became of the steps is in a file of its node."""
+        return {FAULTS: schedule_as_data(state.faults)} if self._faults.faults else None
+
+    def started_again(self, state: OperatorState, stamp: int, kept: Kept | None) -> OperatorState:
+        """With the faults where they were; from the start of their schedule where nothing is known of it."""
+        try:
+            return state if kept is None else replace(state, faults=schedule_from_data(kept.values[FAULTS]))
+        except (KeyError, ValueError):
+            return state
 
     def step(self, state: OperatorState, period: Period) -> tuple[OperatorState, Answer]:
         """Keep the latest reports; at every fifth period let the script look at them."""

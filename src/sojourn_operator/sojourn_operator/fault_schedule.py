@@ -8,6 +8,9 @@ at which the event is seen as a goal takes to act.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import TypeAdapter
 
 from sojourn_contract.fault_messages import FaultEvent, fault_message
 from sojourn_contract.stamps import CONTROL_PERIOD_NS, NANOSECONDS
@@ -35,6 +38,19 @@ class ScheduleState:
     """Driven so far, in truth [m]."""
     place: tuple[float, float, float] | None = None
     """At the last look, in map [m]."""
+
+
+_PLAIN = TypeAdapter(ScheduleState)
+
+
+def schedule_as_data(state: ScheduleState) -> Any:
+    """How far a schedule is as plain data, for JSON."""
+    return _PLAIN.dump_python(state, mode="json")
+
+
+def schedule_from_data(data: Any) -> ScheduleState:
+    """The reverse of `schedule_as_data`. Raises ValueError."""
+    return _PLAIN.validate_python(data)
 
 
 @dataclass(frozen=True)

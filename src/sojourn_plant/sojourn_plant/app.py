@@ -105,7 +105,7 @@ class PlantApp(App[PlantAppState]):
         if _ends(period.inputs):
             return state, Answer(finished=True)
         before, stamp = state.machine, period.stamp
-        faults = self._faults.after(state.faults, period.goals, before) if period.goals else state.faults
+        faults, refusals = self._faults.after(state.faults, period.goals, before)
         commands = self._commands.take(state.commands, period.inputs)
         targets = self._pointing.asked(state.targets, period.goals) if period.goals else state.targets
         if targets:
@@ -121,7 +121,7 @@ class PlantApp(App[PlantAppState]):
         told = machine.ground if ground else state.told
         asked = replace(state, commands=commands, faults=faults, targets=targets)
         after = replace(asked, machine=machine, told=told, leaps=leaps)
-        return after, Answer(messages, errors=new, landing=following if passed > 1 else 0)
+        return after, Answer(messages, refusals, new, landing=following if passed > 1 else 0)
 
     def _moved(
         self, state: PlantAppState, model: PlantModel, command: PlantCommand, period: Period

@@ -14,6 +14,9 @@ from sojourn_config.scenario import load_scenario
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.machine import MachineParams
 from sojourn_physics.actuators.actuator import JointMotion, JointOrder, Push
+from sojourn_physics.actuators.joint_drive import ANGLE
+from sojourn_physics.faults.acting import ActingFault, FaultyPlant
+from sojourn_physics.faults.joint_seized import JointSeized
 from sojourn_physics.plant.model import PlantModel, Site
 from sojourn_physics.plant.state import PlantCommand, PlantState, zeros_command
 from sojourn_physics.plant.step import initial_state, step
@@ -45,6 +48,17 @@ def driven(model: PlantModel, rate: float, front: float = 1.0) -> PlantCommand:
     health = np.ones(len(model.joints.names))
     health[rows] = front
     return replace(command, motor_health=health)
+
+
+def test_a_joint_of_theirs_that_seizes_is_held_by_more_than_its_largest_effort() -> None:
+    """It was held by nothing: only what our own drives are limited to was looked at."""
+    model, state = plant()
+    seized = JointSeized(kind="joint_seized", joint=FRONT[0])
+    with_fault = FaultyPlant(model).model((ActingFault(seized, "seized"),))
+    stuck, free = (model.joint_index[joint] for joint in FRONT)
+    for _ in range(50):
+        state, _ = step(with_fault, state, driven(model, 1.0))
+    assert abs(state.joints[ANGLE, stuck]) < 2e-3 < 0.1 < abs(state.joints[ANGLE, free])
 
 
 @settings(max_examples=15)

@@ -13,8 +13,9 @@ from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.fault_names import FAULTS
 from sojourn_machine.power.surroundings import PowerSurroundings
 from sojourn_physics.actuators.joint_drive import MOTOR_RATE
-from sojourn_physics.faults.acting import FaultyPlant, TimedFaults
+from sojourn_physics.faults.acting import Acting, FaultyPlant, TimedFaults
 from sojourn_physics.faults.plant_fault import PlantFault
+from sojourn_physics.plant.model import PlantModel
 from sojourn_physics.plant.state import PlantCommand, PlantState
 from sojourn_physics.plant.step import step
 
@@ -189,6 +190,22 @@ def test_a_wheel_sinks_deeper_where_the_ground_is_softer(flat: Any) -> None:
     soft = driven(flat, [fault("soft_patch", x=x, y=y, radius=3.0, part=0.3)], flat.hold(), 4.0)[-1]
     assert soft[0].configuration[2] < flat.start.configuration[2] - 1e-3
     assert soft[1].contacts[flat.wheels, ReportColumn.FORCE_Z].sum() == pytest.approx(flat.weight, rel=0.02)
+
+
+def test_patches_that_lie_upon_each_other_are_softer_together(flat: Any) -> None:
+    """Of the same middle the second ended the plant: the ground had a name twice."""
+    x, y = (round(float(place), 2) for place in flat.start.configuration[:2])
+    plant, acting = FaultyPlant(flat.model), Acting()
+    for name, radius, part in (("wide", 3.0, 0.5), ("narrow", 1.0, 0.1)):
+        patch = fault("soft_patch", x=x, y=y, radius=radius, part=part)
+        acting = plant.with_fault(acting, patch, name, flat.start)
+
+    def stiffness(model: PlantModel, ahead: float) -> float:
+        site = model.given.site
+        return {soil.name: soil.k_phi for soil in site.soils}[site.terrain.soil_name(x + ahead, y)]
+
+    parts = [stiffness(plant.model(acting), ahead) / stiffness(flat.model, ahead) for ahead in (0.0, 2.0, 5.0)]
+    assert parts == pytest.approx([0.05, 0.5, 1.0])
 
 
 def test_dust_and_a_wrong_angle_take_power_from_an_array(machine: Callable) -> None:

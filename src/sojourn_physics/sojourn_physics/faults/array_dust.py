@@ -4,21 +4,18 @@ It goes into the light that the cells make power of, and not into that which war
 """
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from pydantic import Field
 
 from sojourn_machine.errors import InvalidValueError
 from sojourn_machine.fault_choice import FaultableMachine, FaultProblem, unknown
 from sojourn_machine.power.photovoltaic_array import PhotovoltaicArrayParams
-from sojourn_physics.faults.plant_fault import PlantFault
-from sojourn_physics.faults.supply import with_source
-
-if TYPE_CHECKING:
-    from sojourn_physics.plant.model import PlantGiven
+from sojourn_machine.power.power_params import PowerParams
+from sojourn_physics.faults.supply import SupplyFault, changed
 
 
-class ArrayFault(PlantFault):
+class ArrayFault(SupplyFault):
     """A fault of a solar array."""
 
     target: ClassVar[str] = "source"
@@ -28,7 +25,20 @@ class ArrayFault(PlantFault):
         """See FaultChoice."""
         sources = machine.power.sources.items()
         arrays = [name for name, source in sources if isinstance(source, PhotovoltaicArrayParams)]
-        return unknown("source", self.source, arrays, "is no solar array")
+        yield from (found := list(unknown("source", self.source, arrays, "is no solar array")))
+        if not found:
+            yield from super().problems(machine)
+
+    def supply(self, power: PowerParams) -> PowerParams:
+        """See SupplyFault."""
+        array = power.sources.get(self.source)
+        if not isinstance(array, PhotovoltaicArrayParams):
+            raise InvalidValueError("source", self.source, "a solar array")
+        return power.model_copy(update={"sources": {**power.sources, self.source: self.array(array)}})
+
+    def array(self, array: PhotovoltaicArrayParams) -> PhotovoltaicArrayParams:
+        """The array with the fault. Raises InvalidValueError for one that cannot have it."""
+        raise NotImplementedError
 
 
 class ArrayDust(ArrayFault):
@@ -37,9 +47,6 @@ class ArrayDust(ArrayFault):
     kind: str = "array_dust"
     share: float = Field(gt=0.0, lt=1.0, description="of the light that is lost [1]")
 
-    def given(self, given: "PlantGiven") -> "PlantGiven":
-        """See PlantFault."""
-        array = given.power.sources[self.source]
-        if not isinstance(array, PhotovoltaicArrayParams):
-            raise InvalidValueError("source", self.source, "a solar array")
-        return with_source(given, self.source, spectral_factor=array.spectral_factor * (1.0 - self.share))
+    def array(self, array: PhotovoltaicArrayParams) -> PhotovoltaicArrayParams:
+        """See ArrayFault."""
+        return changed(array, spectral_factor=array.spectral_factor * (1.0 - self.share))

@@ -1,14 +1,10 @@
 """A solar panel that stands where it should not: a hinge that stuck half way, a drive that does not follow the Sun."""
 
-from typing import TYPE_CHECKING
-
 from pydantic import Field
 
+from sojourn_machine.power.photovoltaic_array import PhotovoltaicArrayParams
 from sojourn_physics.faults.array_dust import ArrayFault
-from sojourn_physics.faults.supply import with_source
-
-if TYPE_CHECKING:
-    from sojourn_physics.plant.model import PlantGiven
+from sojourn_physics.faults.supply import changed
 
 
 class PanelStuck(ArrayFault):
@@ -17,6 +13,6 @@ class PanelStuck(ArrayFault):
     kind: str = "panel_stuck"
     normal: tuple[float, float, float] = Field(description="of its plane in base_link, as it stands [1]")
 
-    def given(self, given: "PlantGiven") -> "PlantGiven":
-        """See PlantFault."""
-        return with_source(given, self.source, normal=self.normal)
+    def array(self, array: PhotovoltaicArrayParams) -> PhotovoltaicArrayParams:
+        """See ArrayFault."""
+        return changed(array, normal=self.normal)

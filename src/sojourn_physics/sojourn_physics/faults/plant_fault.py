@@ -31,7 +31,7 @@ class PlantFault(FaultChoice):
         return 0.0
 
     def given(self, given: "PlantGiven") -> "PlantGiven":
-        """What the plant is made of with the fault."""
+        """What the plant is made of with the fault. Raises InvalidValueError where it cannot be of that."""
         return given
 
     def model(self, model: "PlantModel") -> None:

@@ -45,7 +45,7 @@ class SoftPatch(PlantFault):
         for place in np.unique(terrain.soil_index[inside]).tolist():
             soil = soils[names[place]]
             softer = {name: self.part * getattr(soil, name) for name in SCALED}
-            names.append(f"{soil.name} of {self.called} at {self.x:g} {self.y:g}")
+            names.append(f"{soil.name} {len(names)}, softer")  # another name than of a patch that it lies upon
             soils[names[-1]] = soil.model_copy(update={**softer, "name": names[-1]})
             index[inside & (terrain.soil_index == place)] = len(names) - 1
         ground = dataclasses.replace(terrain, soil_index=index, soil_names=tuple(names))
