@@ -196,7 +196,7 @@ def test_patches_that_lie_upon_each_other_are_softer_together(flat: Any) -> None
     """Of the same middle the second ended the plant: the ground had a name twice."""
     x, y = (round(float(place), 2) for place in flat.start.configuration[:2])
     plant, acting = FaultyPlant(flat.model), Acting()
-    for name, radius, part in (("wide", 3.0, 0.5), ("narrow", 1.0, 0.1)):
+    for name, radius, part in (("narrow", 1.0, 0.1), ("wide", 3.0, 0.5)):
         patch = fault("soft_patch", x=x, y=y, radius=radius, part=part)
         acting = plant.with_fault(acting, patch, name, flat.start)
 
