@@ -148,6 +148,16 @@ def voltages_are_trusted_too_much(app: Any, patch: Patch) -> None:
     swap(patch, app, "params", changed(app.params, "law.kalman.voltage_noise", lambda noise: 0.1 * noise))
 
 
+@defect("strings", "power", "/power/switches.status.values.computer")
+def a_restarted_manager_knows_nothing_of_sleep(app: Any, patch: Patch) -> None:
+    patch.setattr(sojourn_power.app, "started_again", lambda params, heat, state, stamp, kept: state)
+
+
+@defect("night", "power", "/power/status.status.values.request")
+def a_restarted_manager_forgets_what_was_asked(app: Any, patch: Patch) -> None:
+    patch.setattr(sojourn_power.app.PowerApp, "to_keep", lambda app, state: {})
+
+
 @defect("dust", "power", "/power/status.status.values.arrays_clean")
 def dust_is_not_believed(app: Any, patch: Patch) -> None:
     patch.setattr(sojourn_power.app.Forecaster, "clean_after", lambda forecaster, known: known.clean)
